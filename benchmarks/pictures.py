@@ -21,7 +21,7 @@ from benchmarks.harness import series_pictures as series
 from benchmarks.harness import table_pictures as tables
 from benchmarks.harness.markdown import markdown, read_page, replaced, section, write_page
 from benchmarks.harness.options import built, options_of
-from benchmarks.harness.rules import with_rules
+from benchmarks.harness.rules import with_evidence, with_rules
 from ur5lib.errors import InputError
 from ur5lib.jobs import files
 from ur5lib.records.verdicts import State, reason_in_words
@@ -134,6 +134,8 @@ def main() -> None:
     draw_pictures()
     report = DOCUMENTS / "report.md"
     write_page(with_rules(with_columns(read_page(report))), report)
+    recordings = DOCUMENTS / "recordings.md"
+    write_page(with_evidence(read_page(recordings)), recordings)
     lesson = DOCUMENTS / "lesson.md"
     write_text(with_verdicts(lesson.read_text(), first_screen(RESULTS_FOLDER / LESSON)), lesson)
     write_screens(DOCUMENTS / "gallery.md", GALLERY, lambda told: states(told.cards))

@@ -53,6 +53,7 @@ CHANNELS = {
     "interpolated": ChannelSpec("1"),
     "filled": ChannelSpec("1"),
     "received": ChannelSpec("s"),
+    "unknown_unit": ChannelSpec("1"),  # of a table in which the unit of the efforts is unknown
     "actual_q": ChannelSpec.by_joint("rad", 4 * math.pi),
     "target_q": ChannelSpec.by_joint("rad", 4 * math.pi),
     "actual_qd": ChannelSpec.by_joint("rad/s", 20.0),
@@ -156,7 +157,9 @@ CURRENT = Effort("current", MEASURED_CURRENT, "A", "torque constant", "Nm/A")
 TORQUE = Effort("torque", SENSED_TORQUE, "Nm", "gain", "Nm/Nm")
 EFFORTS = {own.quantity: own for own in (CURRENT, TORQUE)}
 EFFORT_CHANNELS = (*CURRENTS, SENSED_TORQUE)
-INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received")  # of repaired frames
+MEASURED_EFFORTS = (MEASURED_CURRENT, SENSED_TORQUE, "actual_current_as_torque")
+UNKNOWN_UNIT = "unknown_unit"
+INTERNAL_CHANNELS = ("segment", "interpolated", "filled", "received", UNKNOWN_UNIT)  # of frames
 RECORDED_CHANNELS = {name: spec for name, spec in CHANNELS.items() if name not in INTERNAL_CHANNELS}
 SUFFIXES = {name: spec.suffixes for name, spec in CHANNELS.items() if len(spec.suffixes) > 1}
 JOINT_CHANNELS = [name for name, spec in CHANNELS.items() if spec.of_joints]

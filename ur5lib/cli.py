@@ -376,6 +376,9 @@ def import_(
     prefix: Annotated[
         str, typer.Option(help="what the names of the arm's joints begin with, as left_")
     ] = "",
+    everything: Annotated[
+        bool, typer.Option("--all", help="list the evidence for each column, too")
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="study file to write; default: print the entries"),
@@ -410,10 +413,11 @@ def import_(
     )
     if study := output or add:
         last_line = f"{study} written; next: ur5 check {study}"
-        write_imported(imported, study, last_line, append=output is None)
+        write_imported(imported, study, last_line, append=output is None, everything=everything)
     else:
         given = [word for word in sys.argv[1:] if word != "import"]
-        print_imported(imported, f"ur5 import {shlex.join(given)} --output mine.yaml")
+        command = f"ur5 import {shlex.join(given)} --output mine.yaml"
+        print_imported(imported, command, everything)
 
 
 def _use_one_thread() -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from benchmarks.harness.markdown import markdown, replaced
+from ur5lib.importing.evidence import SOURCES
 from ur5lib.judging import limits
 from ur5lib.judging.constants import REASONS_BY_GRAVITY
 from ur5lib.records.verdicts import REASONS, Reason, State, reason_in_words
@@ -126,6 +127,14 @@ def with_rules(page: str) -> str:
     meant = [[f"`{code}`", short[code], reason_in_words(code)] for code in REASONS]
     reasons = markdown(["reason", "on the page", "what it means"], meant)
     return replaced(replaced(page, "When a result is good", rules), "Reasons", reasons)
+
+
+def with_evidence(page: str) -> str:
+    """Return the recordings' page with the sources of evidence as the code has them."""
+    ordered = sorted(SOURCES.items(), key=lambda one: -one[1].cap)
+    habit = {True: "yes", False: "no, habit"}
+    rows = [[name, f"{own.cap:g}", own.says, habit[own.telling]] for name, own in ordered]
+    return replaced(page, "Evidence", markdown(["source", "cap", "says", "is enough"], rows))
 
 
 def codes(reasons: Sequence[Reason]) -> str:

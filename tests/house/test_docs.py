@@ -16,7 +16,7 @@ from benchmarks.harness.markdown import (
     table_in,
     write_page,
 )
-from benchmarks.harness.rules import RULES, with_rules
+from benchmarks.harness.rules import RULES, with_evidence, with_rules
 from benchmarks.pictures import OF_PAGES, PICTURES, with_columns
 from tests.conftest import PROJECT
 from ur5lib.jobs.code import all_steps, module_of
@@ -64,6 +64,11 @@ def test_the_report_s_page_has_the_rules_of_the_code() -> None:
     assert with_rules(page) == page, "`make pictures` writes them"
     known = {reason for rule in RULES for reason in rule.reasons}
     assert {*REASONS_BY_GRAVITY} - {""} <= known
+
+
+def test_the_page_on_recordings_has_the_sources_of_evidence() -> None:
+    page = read_page(PROJECT / "docs" / "recordings.md")
+    assert with_evidence(page) == page, "`make pictures` writes them"
 
 
 @pytest.mark.parametrize("name", OF_PAGES)

@@ -74,7 +74,8 @@ def imported(
 
 def row_of(recording: ImportedRecording, column: str) -> AccountRow:
     """The row of the account that a column begins, or that is about the file."""
-    (row,) = [row for row in recording.account if column in row.subject]
+    told = [row for row in recording.account if row.confidence != "evidence"]
+    (row,) = [row for row in told if column in row.subject]
     return row
 
 
@@ -314,7 +315,11 @@ def test_of_several_torques_that_of_the_joints_is_taken(tmp_path: Path) -> None:
         gravity_torque=0.9 * TORQUE,
     )
     (one,) = imported({"time": TIME} | columns(q=Q, qd=QD) | beside, tmp_path)
-    taken = {row.subject: row.taken_for for row in one.account if "torque" in row.subject}
+    taken = {
+        row.subject: row.taken_for
+        for row in one.account
+        if "torque" in row.subject and row.confidence != "evidence"
+    }
     assert taken.pop("actual_joint_torque_0 … actual_joint_torque_5") == "actual_current_as_torque"
     assert {*taken.values()} == {NOTHING}
 
@@ -445,7 +450,11 @@ def test_a_current_that_its_author_smoothed_is_no_target(tmp_path: Path) -> None
     pieces = np.r_[0:800, 1700:2500, 900:1600]
     np.savetxt(tmp_path / "run.csv", np.hstack(columns_of)[pieces], delimiter=",")
     (one,) = import_files([tmp_path / "run.csv"], UserStatement("ur5e"))
-    taken = {row.subject: row.taken_for for row in one.account if row.subject.startswith("column")}
+    taken = {
+        row.subject: row.taken_for
+        for row in one.account
+        if row.subject.startswith("column") and row.confidence != "evidence"
+    }
     assert taken["column 13 … column 18"] == "actual_current"
     assert taken["column 19 … column 24"] == "target_current"
     assert taken["column 7 … column 12"] == "actual_qd"

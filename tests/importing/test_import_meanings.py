@@ -148,12 +148,23 @@ def test_a_following_error_is_no_torque(tmp_path: Path) -> None:
     assert "as a following error, it lags behind all joints by 0.016 s times" in told
 
 
-@pytest.mark.parametrize(("robot", "factors"), [("", ""), ("ur5e", "1.53, 1.5 Nm per unit")])
-def test_per_cent_of_rated_torques_are_no_torque(tmp_path: Path, robot: str, factors: str) -> None:
+@pytest.mark.parametrize(
+    ("robot", "channel", "factors"),
+    [
+        ("", "actual_current_as_torque", "no force is stated until it is named"),
+        ("ur5e", "actual_current", "by gravity, one unit is 1.53, 1.5 Nm on joints 2, 3"),
+    ],
+)
+def test_per_cent_of_rated_torques_are_kept_in_an_unknown_unit(
+    tmp_path: Path, robot: str, channel: str, factors: str
+) -> None:
+    """The first row of the account says so, with the option that ends it."""
     one, told = imported(case("07_percent_of_rated.csv.gz", tmp_path), robot)
-    assert not any("torque" in name for name in one.entry["columns"])
+    assert one.entry["units"] == {channel: "unknown"}
     assert "a share of a rating, or counts, by its name" in told
     assert factors in told
+    assert "--unit" in one.account[0].reason
+    assert "unknown" in one.account[0].reason
 
 
 def test_a_range_proves_no_angle(tmp_path: Path) -> None:

@@ -266,5 +266,5 @@ def test_a_unit_in_the_name_counts_where_a_share_would_be_as_near(
     named = re.sub(r"(actual_joint_torque_\d)", r"\1 [Nm]", head)
     log.path.write_text("\n".join([named, *rows]))
     (found,) = import_files([log.path], log.told)
-    (row,) = (row for row in found.account if "joint_torque" in row.subject)
+    (row, *_) = (row for row in found.account if "joint_torque" in row.subject)
     assert (row.taken_for.split()[0], row.confidence) == ("actual_current_as_torque", "proven")

@@ -92,7 +92,9 @@ def test_public_states_inputs_and_times_are_runs() -> None:
         table = read_recording(one.entry).robot.table
         assert len(table) == 937
         assert np.diff(table["time"]) == pytest.approx(0.004, abs=1e-9)
-        assert "nothing tells its unit" in in_words(one.account)  # of a torque, in no file's name
+        assert "in an unknown unit: Nm by habit" in in_words(
+            one.account
+        )  # of a torque, in no file's name
 
 
 def test_other_rows_without_time_are_refused(tmp_path: Path, run: dict[str, Array]) -> None:

@@ -200,7 +200,7 @@ class Recordings(Shown):
         """Return one line on how import interpreted the columns of a recording, and what to
         check.
         """
-        own = self.account.query("recording == @name")
+        own = self.account.query("recording == @name and confidence != 'evidence'")
         whole = own["subject"] == "columns"  # of a file that is read like another
         channels = own["taken_for"].map(lambda taken: has_unit(taken.partition(" ")[0]))
         read = own["taken_for"][whole | channels]

@@ -99,17 +99,35 @@ def readings(
     return sorted(candidates, key=lambda reading: -reading.score)
 
 
-def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> dict[str, float]:
-    """Return the log-likelihood of each unit of an effort, of "neither", a torque without gravity,
-    and of OWN_FACTORS, one factor per joint.
+class UnitScores(NamedTuple):
+    """How well gravity explains an effort.
 
-    means: with the joints in order.
+    by_unit: log-likelihood of each unit, of "neither", a torque without gravity, and of
+    OWN_FACTORS, one factor per joint; by_makers: the same where currents have the arm's torque
+    constants; beside_motion: share of the squares that friction and inertia do not explain, on the
+    joint whose gravity changes most.
+    """
+
+    by_unit: dict[str, float]
+    by_makers: dict[str, float]
+    beside_motion: float
+
+
+def unit_scores(means: BlockMeans, effort: str, arm: Robot) -> UnitScores:
+    """Return how well gravity explains an effort by its name in `means`, in the order of the
+    joints.
     """
     motion, columns = _motion_bases(means), np.array([in_order(arm)])
-    free, unknown = _without_motion(motion, means.currents[effort]), [math.nan] * len(arm.joints)
-    gravity = means.gravity(arm)[None]
-    scores = _scores(means, motion, free, gravity, columns, unknown, ALL_SLOPE_BOUNDS)
-    return {unit: float(score[0]) for unit, score in scores.items()}
+    free, gravity = _without_motion(motion, means.currents[effort]), means.gravity(arm)
+    scores = [
+        _scores(means, motion, free, gravity[None], columns, constants, ALL_SLOPE_BOUNDS)
+        for constants in ([math.nan] * len(arm.joints), arm.maker_torque_constants())
+    ]
+    by_unit, by_makers = ({unit: float(one[0]) for unit, one in own.items()} for own in scores)
+    joint = int(np.argmax(np.ptp(gravity, axis=0)))
+    own, left = means.currents[effort][:, joint], free[:, joint]
+    beside = float(left @ left / (((own - own.mean()) ** 2).sum() + 1e-12))
+    return UnitScores(by_unit, by_makers, beside)
 
 
 def _motion_bases(means: BlockMeans) -> list[Array]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Container, Iterator, Sequence
 
-from ur5lib.channels import CURRENT, MOST_JOINTS, TORQUE, columns
+from ur5lib.channels import CURRENT, MOST_JOINTS, TORQUE, UNKNOWN_UNIT, columns
 from ur5lib.checks.arm import (
     Cause,
     foreign_constants,
@@ -31,12 +31,18 @@ from ur5lib.checks.sensed_torques import constant_torques, foreign_size
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
+from ur5lib.checks.unknown_unit import unknown_unit
 from ur5lib.records.accepted import up_to_first_standing
 from ur5lib.records.codes import CauseCode
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel
 
-CHECKED_COLUMNS = {"time", "segment", "interpolated"}.union(  # columns, as far as recorded
+CHECKED_COLUMNS = {
+    "time",
+    "segment",
+    "interpolated",
+    UNKNOWN_UNIT,
+}.union(  # columns, as far as recorded
     columns("actual_TCP_pose"),
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "torque")),
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
@@ -50,6 +56,8 @@ def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]
 
     checked: the columns CHECKED_COLUMNS are enough; accepted: kinds of stop signs.
     """
+    if UNKNOWN_UNIT in checked.robot:  # no newton from the unknown, and nothing else follows
+        return [unknown_unit(checked.means, checked.loaded)]
     copied = [*names_equal_to_targets(checked.robot, checked.step)]
     simulated = [_simulated(copied)] if copied else []
     if simulated and simulated[0].kind not in accepted:

@@ -25,7 +25,7 @@ from ur5lib.commands.processes import side_by_side
 from ur5lib.errors import InputError
 from ur5lib.force.tare import tare_doubts, touched_by_own_clock
 from ur5lib.recordings.intake import Intake, read_and_repair
-from ur5lib.records.account import UNKNOWN_NAME
+from ur5lib.records.account import UNKNOWN_NAME, AccountRow
 from ur5lib.records.carried import carried, disagreements
 from ur5lib.records.clocks import OwnClock, SettledClock
 from ur5lib.records.codes import Found
@@ -172,11 +172,24 @@ def print_tables(
     else:
         _print_by_finding(console, quality, names, form.everything)
         offsets = offsets.sort_values("end_std_s", ascending=False).drop_duplicates("device")
+    if form.everything:
+        console.print(_evidence({name: qualities[name].account for name in names}))
     if len(offsets):
         console.print(
             _clocks(offsets, "Clocks" if named else "The least certain clock of each device")
         )
     return severe_ones
+
+
+def _evidence(accounts: Mapping[str, Sequence[AccountRow]]) -> Table:
+    """Return a table of what each source says of the columns of recordings, as import found it."""
+    heads = ["recording", "columns", "log-odds", "source"]
+    table = Table(*heads, title="Evidence for what columns are")
+    for name, account in accounts.items():
+        for row in account:
+            if row.confidence == "evidence":
+                table.add_row(name, row.subject, row.taken_for, row.reason)
+    return table
 
 
 def severe(quality: Quality) -> list[str]:

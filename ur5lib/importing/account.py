@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import get_args
 
 from ur5lib.importing.blocks import ColumnBlock
+from ur5lib.importing.evidence import SOURCES, Row
 from ur5lib.records.account import NOTHING, AccountRow, Confidence, Evidence
 
 Names = tuple[str, ...]  # of a block's columns
@@ -17,13 +18,15 @@ class Account:
     """What import states about a file: rows on blocks of columns, and on the file as a whole.
 
     order: the file's columns in order; of_columns: rows by the names of a block's columns; of_file:
-    in order; excluded: column names of the blocks that the entry lacks.
+    in order; excluded: column names of the blocks that the entry lacks; evidence: what each source
+    says of a block, from which its verdict follows.
     """
 
     order: list[str] = field(default_factory=list)
     of_columns: dict[Names, list[AccountRow]] = field(default_factory=dict)
     of_file: list[AccountRow] = field(default_factory=list)
     excluded: list[Names] = field(default_factory=list)
+    evidence: list[AccountRow] = field(default_factory=list)
 
     def tell(
         self, confidence: Confidence, subject: str, taken_for: str, by: Evidence, reason: str
@@ -46,6 +49,14 @@ class Account:
         """State what a block contains, and how sure that is."""
         self.state(confidence, block.names, block.title, by, reason)
 
+    def speak(self, block: ColumnBlock, rows: Iterable[Row], candidates: Mapping[str, str]) -> None:
+        """State what sources say of a block; candidates: with their words."""
+        for row in rows:
+            words = f"{row.source}: {row.words()}" if row.code else row.source
+            by = SOURCES[row.source].by
+            figures = row.in_figures(candidates)
+            self.evidence.append(AccountRow(block.title, figures, by, "evidence", words))
+
     def prove(self, block: ColumnBlock, reason: str) -> None:
         """State what the numbers prove of a block; the rows that ask to check it are removed."""
         told = self.of_columns.get(block.names, [])
@@ -65,7 +76,7 @@ class Account:
         place = {name: k for k, name in enumerate(self.order)}
         ordered = sorted(self.of_columns, key=lambda names: place.get(names[0], len(place)))
         joined = (_joined(self.of_columns[names], meanings.get(names, "")) for names in ordered)
-        return [*self.of_file, *_merged(joined)]
+        return [*self.of_file, *_merged(joined), *self.evidence]
 
 
 def _joined(told: Sequence[AccountRow], meaning: str) -> AccountRow:

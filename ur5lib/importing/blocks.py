@@ -24,7 +24,7 @@ from ur5lib.importing.spellings import (
     words,
 )
 from ur5lib.recordings.arm_joints import FEWEST_JOINTS, JOINTS, arms_among, joint_order
-from ur5lib.recordings.entries import OPPOSITE_SIGN
+from ur5lib.recordings.entries import OPPOSITE_SIGN, UNKNOWN
 from ur5lib.records.account import Evidence
 from ur5lib.timeseries.arrays import Array
 
@@ -41,7 +41,8 @@ class ColumnBlock:
     names: as in a study, one for all columns or one for each; rows: (N, k); clock: name of the
     block's time stamps; factors: by which the file's numbers were multiplied, empty if they are as
     read; joints: number of joints of the file's arm; stated: the block's meaning if the user, the
-    numbers or the whole of which it is a part give it, "" if its own name does.
+    numbers or the whole of which it is a part give it, "" if its own name does; is_known: whether
+    its unit is.
     """
 
     names: tuple[str, ...]
@@ -50,6 +51,7 @@ class ColumnBlock:
     factors: tuple[float, ...] = ()
     joints: int = JOINTS_OF_UR
     stated: str = ""
+    is_known: bool = True
 
     def scaled(self, factors: Array | float) -> "ColumnBlock":
         """Return the block with each column multiplied by a factor."""
@@ -62,6 +64,8 @@ class ColumnBlock:
 
     def unit(self) -> str | list[float] | None:
         """Return the unit of the file's numbers as a study has it, None for SI."""
+        if not self.is_known:
+            return UNKNOWN
         whole = [float(f"{factor:.7g}") for factor in self.factors or (1.0,)]
         unit_names = {1.0: None, -1.0: OPPOSITE_SIGN, 1e-3: "mA"}
         return unit_names.get(whole[0], whole) if len({*whole}) == 1 else whole

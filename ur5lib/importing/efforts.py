@@ -1,63 +1,50 @@
 """The channels of a file's efforts: currents, torques or targets, by name or else by gravity."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.channels import CHANNELS, MEASURED_CURRENT, TARGET_CURRENT, TORQUE
-from ur5lib.checks.arm import MAX_CONSTANT_RATIO, torque_constants
+from ur5lib.channels import CHANNELS, CURRENT, MEASURED_CURRENT, TARGET_CURRENT, TORQUE
+from ur5lib.checks.arm import torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
 from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT, follows_its_model
 from ur5lib.checks.exchanged_channels import MAX_ROUGHNESS_RATIO, roughness
-from ur5lib.checks.readings import (
-    CLEAR_LEAD,
-    OWN_FACTORS,
-    Order,
-    readings,
-    unit_scores,
-    usual_orders,
-)
+from ur5lib.checks.readings import CLEAR_LEAD, Order, readings, usual_orders
 from ur5lib.importing.account import Account
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
-from ur5lib.importing.identity import MAX_SHOWN_RATIO, ArmIdentity, tells_columns
-from ur5lib.importing.spellings import is_of_motors, named_unit, names_share, newton_metres
+from ur5lib.importing.effort_sources import (
+    CANDIDATES,
+    LESS_GRAVITY,
+    MIN_BEARING_JOINTS,
+    NEWTON_METRES,
+    NO_EFFORT,
+    UNKNOWN,
+    EffortFacts,
+    rows_of,
+    shown_by_gravity,
+)
+from ur5lib.importing.evidence import Row, Verdict, decide
+from ur5lib.importing.identity import ArmIdentity, tells_columns
+from ur5lib.importing.spellings import is_of_motors, newton_metres
 from ur5lib.recordings.delimited import number_in
 from ur5lib.recordings.intake import MOTOR_TORQUE, TORQUE_LESS_GRAVITY
 from ur5lib.records.account import Confidence
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
 
-LESS_GRAVITY = "neither"  # current nor torque: a torque less gravity, as some drivers write
 ROUNDING_STEP = 1e-3  # A; URScript gives currents with three decimals
 LARGEST_MULTIPLE_RANGE = (100, 100_000)  # multiples of a rounded current's step that it reaches
-MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
-# Up to this one, nothing else is as near; 1 % of the torque for which some motors are rated is 1.5.
-MAX_PROVEN_RATIO = 1.25
-# The factors of joints that show the same unit differ by no more.
-MAX_FACTOR_RATIO = 1.15
-MIN_BEARING_JOINTS = 2  # this many show a unit together
 MIN_DRIVE = 2.5  # standard errors, from which on friction clearly drives the joints
 CLEAR_LEAD_ALONE = 10 * CLEAR_LEAD  # of gravity without friction; a random walk leads by 40
 MIN_FOLDED_JOINTS = 3  # efforts of this many would change their sign
 FOLDED_SHARE = 0.02  # of the largest effort, to which one that changes its sign falls
-UNKNOWN_UNIT = "nothing tells its unit; record more postures, or --columns and --unit name it"
+NO_EFFORT_REASON = "no name tells what it is, nor do the numbers; --columns names it"
 LESS_GRAVITY_REASON = (
-    "in Nm, less gravity, which does not explain it as it explains every current and motor torque; "
-    "the gravity of the arm is added again"
+    "gravity does not explain it as it explains every current and motor torque; the gravity of the "
+    "arm is added again"
 )
-SHARE_REASON = (
-    "a share of a rating, or counts, by its name: in Nm by a factor a joint, which the file lacks; "
-    "multiply it, or give the factors as `units`"
-)
-OWN_FACTORS_REASON = (
-    "as of a percentage of rated torques, of counts, or of motors before their gears: multiply it, "
-    "or give the factors as `units`"
-)
-OR_SHARE_REASON = "a share of rated torques may be as near: the maker's manual has the unit"
-UNIT_WORDS = {"A": "A", "mA": "mA", "Nm": "Nm", LESS_GRAVITY: "Nm less gravity"}
 CHANNELS_BY_UNIT = {  # by unit, and whether it is a target
     ("A", False): MEASURED_CURRENT,
     ("A", True): "target_current",
@@ -69,7 +56,7 @@ UNITS_BY_CHANNEL = {
     channel: unit for (unit, _), channel in CHANNELS_BY_UNIT.items() if unit != LESS_GRAVITY
 }
 UNITS_BY_CHANNEL |= {"actual_torque": "Nm"}
-EFFORT_MEANINGS = ("effort", *UNITS_BY_CHANNEL)
+EFFORT_MEANINGS = ("effort", *UNITS_BY_CHANNEL, TORQUE_LESS_GRAVITY)
 
 
 def as_amperes(block: ColumnBlock) -> ColumnBlock:
@@ -103,7 +90,7 @@ def _without_constants(
     factors = np.array(divided.factors) / np.array(block.factors or [1.0] * len(order))
     current = means.currents[name] * factors[list(order)]
     trial = replace(means, currents=means.currents | {name: current})
-    before, after = (_shown_by_gravity(one, arm, name) for one in (means, trial))
+    before, after = (shown_by_gravity(one, arm, name) for one in (means, trial))
     if len(after.constants) < MIN_BEARING_JOINTS or after.contradicts("A"):
         return block, means
     if not before.contradicts("A"):
@@ -111,23 +98,27 @@ def _without_constants(
     constants = ", ".join(f"{abs(1 / factor):.4g}" for factor in factors)
     steps = f"a current rounded to {1e3 * ROUNDING_STEP:.0f} mA, times a driver's constants (joint "
     steps += f"by joint {constants} Nm/A): whole multiples of these alone; without them, gravity "
-    tells = f"tells {after.constants_in_words()}, with them {before.constants_in_words()}"
+    tells = f"tells {after.in_words()}, with them {before.in_words()}"
     account.hold("proven", block, "numbers", steps + tells)
     return divided, trial
 
 
 def in_stated_unit(block: ColumnBlock, file: FileContents) -> ColumnBlock:
-    """Return an effort in SI units: a current in amperes by the user's factor, a torque in Nm by
-    the unit in its name; else as it is.
+    """Return an effort in SI units by the user's factor, or a torque in Nm by the unit in its name;
+    else as it is.
     """
     if metres := newton_metres(block.names[0]):
         return block.scaled(metres)
-    of_current = (block.meaning() or "effort") in ("effort", MEASURED_CURRENT)
-    factor = number_in(file.stated.units.get(MEASURED_CURRENT, "").encode())
-    if not of_current or factor is None or np.isnan(factor):
-        return block
-    file.account.hold("assumed", block, "option", f"one unit of the file is {factor:g} A")
-    return replace(block.scaled(factor), stated=MEASURED_CURRENT)
+    meaning = block.meaning() or "effort"
+    for channel in (MEASURED_CURRENT, *NEWTON_METRES):
+        factor = number_in(file.stated.units.get(channel, "").encode())
+        if factor is not None and not np.isnan(factor) and meaning in (channel, "effort"):
+            unit = CHANNELS[channel].unit
+            file.account.hold(
+                "assumed", block, "option", f"one unit of the file is {factor:g} {unit}"
+            )
+            return replace(block.scaled(factor), stated=channel)
+    return block
 
 
 def is_torque_of_joints(block: ColumnBlock) -> bool:
@@ -138,11 +129,6 @@ def is_torque_of_joints(block: ColumnBlock) -> bool:
 def is_target(block: ColumnBlock) -> bool:
     """Return whether an effort is named as a target, which is constant where an arm rests."""
     return (block.meaning() or "").startswith("target")
-
-
-def is_share(block: ColumnBlock) -> bool:
-    """Return whether an effort is named as a share of a rating, or as counts."""
-    return not block.stated and names_share(block.names[0])
 
 
 def is_frozen(block: ColumnBlock) -> bool:
@@ -219,17 +205,21 @@ def name_efforts(
         if means and telling:
             known = means, telling, identity.order, file.account
             blocks[name], means = _without_constants(name, block, *known)
-    shown = {name: _shown_by_gravity(means, telling, name) for name in blocks}
-    units = {name: _unit(block, shown[name], file) for name, block in blocks.items()}
-    known_units = {name: unit for name, unit in units.items() if unit}
-    targets = _targets({name: blocks[name] for name in known_units}, means, telling, file)
-    for name, unit in known_units.items():
+    facts = {
+        name: _facts(name, block, means, telling or arm, identity, file)
+        for name, block in blocks.items()
+    }
+    units = {
+        name: unit
+        for name, own, verdict in _verdicts(facts, file.account)
+        if (unit := _read_as(own, verdict, file))
+    }
+    targets = _targets({name: blocks[name] for name in units}, means, telling, file)
+    for name, unit in units.items():
         if identity.like:
             file.account.hold("check", blocks[name], "numbers", as_of(identity.like))
         block, target = blocks[name], any(blocks[name] is other for other in targets)
-        channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
-        if channel == MOTOR_TORQUE and arm and (arm.measured == TORQUE or not arm.is_ur()):
-            channel = "actual_torque"
+        channel = _channel_of(unit, target, arm)
         if channel == "target_moment" and arm and not arm.is_ur():
             commanded = "a torque that the controller of another arm commanded"
             file.account.exclude(block, commanded, "name")
@@ -237,8 +227,29 @@ def name_efforts(
             beside = f"it may be {channel}, as {channels[channel].title}; --columns names the one"
             file.account.exclude(block, beside, "name")
         else:
-            channels[channel] = block.scaled(1e-3) if unit == "mA" else block
+            channels[channel] = _in_si(block, unit)
     return channels
+
+
+def _facts(
+    name: str,
+    block: ColumnBlock,
+    means: BlockMeans | None,
+    arm: Robot | None,
+    identity: ArmIdentity,
+    file: FileContents,
+) -> EffortFacts:
+    """Return what sources are asked about; arm: the file's, or the likeliest."""
+    shown = shown_by_gravity(means, arm if arm and tells_columns(arm) else None, name)
+    known = identity.robot is not None
+    return EffortFacts(block, arm, known, file.stated.units, means, name, shown)
+
+
+def _in_si(block: ColumnBlock, unit: str) -> ColumnBlock:
+    """Return an effort in SI units; of one in an unknown unit, the file's numbers."""
+    if unit == UNKNOWN:
+        return replace(block, rows=block.rows / block.all_factors(), factors=(), is_known=False)
+    return block.scaled(1e-3) if unit == "mA" else block
 
 
 def _like_precedent(
@@ -257,107 +268,6 @@ def _like_precedent(
     return channels
 
 
-class GravityShown(NamedTuple):
-    """What gravity shows of an effort.
-
-    scores: log-likelihood of each unit; constants: Nm per unit of the file, by joint from 0; known:
-    the maker's constants [Nm/A], empty for joints that sense their torque; own: log-likelihood with
-    one factor per joint.
-    """
-
-    scores: Mapping[str, float]
-    constants: Mapping[int, float]
-    known: Sequence[float]
-    own: float = -np.inf
-
-    def is_of_own_factors(self) -> bool:
-        """Return whether joints contradict the likeliest unit, and one factor per joint explains
-        them far better.
-        """
-        best = self.likeliest()[0]
-        foreign = best == LESS_GRAVITY or (bool(best) and self.contradicts(best))
-        ahead = self.own - max(self.scores.values(), default=self.own)
-        return len(self.constants) >= MIN_BEARING_JOINTS and foreign and ahead > CLEAR_LEAD
-
-    def ratios(self, unit: str) -> list[float]:
-        """Return the joints' constants as multiples of those that they would have in a unit."""
-        of_unit = {"A": 1.0, "mA": 1e-3}
-        return [
-            constant / (of_unit[unit] * self.known[joint] if unit in of_unit else 1.0)
-            for joint, constant in self.constants.items()
-        ]
-
-    def contradicts(self, unit: str) -> bool:
-        """Return whether the constant of any joint is far from that of a unit."""
-        most = MAX_TORQUE_RATIO if unit == "Nm" else MAX_CONSTANT_RATIO
-        return any(not 1 / most < ratio < most for ratio in self.ratios(unit))
-
-    def is_far_from_newton_metres(self) -> bool:
-        """Return whether the median of the joints' constants is far from 1 Nm per unit of the
-        file.
-        """
-        median = float(np.median(self.ratios("Nm") or [1.0]))
-        return not 1 / MAX_PROVEN_RATIO < median < MAX_PROVEN_RATIO
-
-    def confirms(self, unit: str) -> bool:
-        """Return whether several joints show the maker's constants that a unit would have."""
-        enough = len(self.constants) >= MIN_BEARING_JOINTS and bool(self.known or unit == "Nm")
-        return enough and not self.contradicts(unit)
-
-    def is_of_a_factor(self, unit: str) -> bool:
-        """Return whether joints contradict a unit, but all show one other factor."""
-        if not self.known:
-            return False
-        ratios = self.ratios("A")
-        alike = len(ratios) >= MIN_BEARING_JOINTS and max(ratios) < MAX_FACTOR_RATIO * min(ratios)
-        return alike and self.contradicts(unit)
-
-    def factor(self) -> float:
-        """Return the amperes of one unit of the file, by the joints' median."""
-        return float(np.median(self.ratios("A")))
-
-    def likeliest(self) -> tuple[str, float]:
-        """Return the likeliest unit, "" without any, and by how much its log-likelihood exceeds the
-        next one's.
-        """
-        best, rival, *_ = [*sorted(self.scores, key=lambda unit: -self.scores[unit]), "", ""]
-        return best, self.scores[best] - self.scores[rival] if self.scores else 0.0
-
-    def in_words(self) -> str:
-        """Return a sentence with the likeliest unit, its lead over the next one, and the
-        constants.
-        """
-        best, rival, *_ = sorted(self.scores, key=lambda unit: -self.scores[unit])
-        before = f"log-likelihood before {UNIT_WORDS[rival]}"
-        tells = f"gravity tells {UNIT_WORDS[best]}, by {self.likeliest()[1]:.3g} of {before}"
-        words = self._replace(known=()) if best == "Nm" else self
-        return f"{tells}: {words.constants_in_words()}" if self.constants else tells
-
-    def constants_in_words(self) -> str:
-        """Return the joints' constants in words, with the maker's if known."""
-        joints = ", ".join(str(joint + 1) for joint in self.constants)
-        constants = ", ".join(f"{constant:.3g}" for constant in self.constants.values())
-        known = ", ".join(f"{self.known[joint]:.3g}" for joint in self.constants if self.known)
-        plural = "s" if len(self.constants) > 1 else ""
-        of_joints = f"{constants} Nm per unit on joint{plural} {joints}"
-        return f"{of_joints} (known: {known} Nm/A)" if self.known else of_joints
-
-
-def _shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) -> GravityShown:
-    """Return what gravity shows of an effort by its name in `means`; empty without means or arm."""
-    if means is None or arm is None:
-        return GravityShown({}, {}, ())
-    fit = torque_constants(means, arm, name)
-    shown = {joint: ratio for joint, ratio in fit.ratio.items() if ratio < MAX_SHOWN_RATIO}
-    constants = {joint: ratio * fit.known[joint] for joint, ratio in shown.items()}
-    scores = unit_scores(means, name, arm)
-    own = scores.pop(OWN_FACTORS)
-    if arm.measured == TORQUE:  # which has no amperes
-        scores = {unit: scores[unit] for unit in ("Nm", LESS_GRAVITY)}
-        return GravityShown(scores, constants, (), own)
-    return GravityShown(scores, constants, fit.known, own)
-
-
 def as_of(like: Robot) -> str:
     """Return in words that a meaning holds if the arm, which is unknown, is like the
     likeliest one.
@@ -365,85 +275,66 @@ def as_of(like: Robot) -> str:
     return f"if the arm, which nothing tells, is like {like.name}"
 
 
-def _named_unit(block: ColumnBlock) -> str | None:
-    """Return the unit that an effort's name or meaning states, None for none."""
-    spelled = named_unit(block.names[0])
-    return spelled if spelled in UNIT_WORDS else UNITS_BY_CHANNEL.get(block.meaning() or "")
+def _verdicts(
+    facts: Mapping[str, EffortFacts], account: Account
+) -> Iterator[tuple[str, EffortFacts, Verdict]]:
+    """Yield the verdict on each effort, the surest first; the account gets the rows."""
+    rows = {name: rows_of(own) for name, own in facts.items()}
+    verdicts = {name: decide(own, [*CANDIDATES]) for name, own in rows.items()}
+    efforts = [name for name, own in verdicts.items() if own.candidate != NO_EFFORT]
+    left = [name for name, own in rows.items() if all(row.source != "motion" for row in own)]
+    if not efforts and len(left) == 1:
+        rows[left[0]].append(Row("alone", {NO_EFFORT: -7.0}))
+        verdicts[left[0]] = decide(rows[left[0]], [*CANDIDATES])
+    for name in sorted(facts, key=lambda name: -verdicts[name].lead):
+        account.speak(facts[name].block, rows[name], CANDIDATES)
+        yield name, facts[name], verdicts[name]
 
 
-def _unit(block: ColumnBlock, shown: GravityShown, file: FileContents) -> str | None:
-    """Return the unit of an effort, A, mA, Nm or LESS_GRAVITY, as stated, named, or shown by
-    gravity; None if it is unknown. The account states why.
+def _read_as(facts: EffortFacts, verdict: Verdict, file: FileContents) -> str:
+    """Return the candidate that an effort is read as, "" if it is none; the account states why.
+
+    One of which priors alone speak, or gravity only with a factor a joint, is kept in an unknown
+    unit: a fit would find the factors, but no force follows from them.
     """
-    account, named = file.account, _named_unit(block)
-    given = file.stated.units.get(block.meaning() or "")
-    if given in UNIT_WORDS:
-        account.hold("assumed", block, "option", f"in {UNIT_WORDS[given]}")
-        return given
-    if is_share(block):
-        told = f"; gravity tells {shown.constants_in_words()}" if shown.constants else ""
-        account.exclude(block, f"{SHARE_REASON}{told}", "name")
-        return None
-    peak, bound = np.nanmedian(np.abs(block.rows).max(axis=1)), CHANNELS[MEASURED_CURRENT].bound
-    if named == "A" and peak > bound and not shown.is_of_a_factor("mA"):
-        sure: Confidence = "check" if shown.contradicts("mA") else "assumed"
-        sure = "proven" if shown.constants and sure != "check" else sure
-        told = f"; {shown.in_words()}" if shown.constants else ""
-        too_many = f"in mA: {peak:.3g} A are more than {bound:g} A{told}"
-        account.hold(sure, block, "numbers", too_many)
-        return "mA"
-    best, lead = shown.likeliest()
-    without_name = not named and block.meaning() != "effort"
-    if lead > CLEAR_LEAD and not (best == LESS_GRAVITY and without_name):
-        return _unit_by_gravity(block, shown, account)
-    if named is None:
-        account.exclude(block, UNKNOWN_UNIT)
-    else:
-        of_own = shown.is_of_own_factors() and named_unit(block.names[0]) != named
-        factors = f", but a factor a joint explains it better: {shown.constants_in_words()}"
-        doubt = f"{factors}; {OWN_FACTORS_REASON}" if of_own else ""
-        account.hold("check" if doubt else "assumed", block, "name", f"in {named}{doubt}")
-    return named
+    block, reason, account = facts.block, verdict.reason(CANDIDATES), file.account
+    if verdict.candidate == NO_EFFORT:
+        account.exclude(block, reason or NO_EFFORT_REASON)
+        return ""
+    if verdict.candidate == LESS_GRAVITY and is_target(block):
+        account.exclude(block, f"a command less gravity: {reason}")
+        return ""
+    if verdict.candidate == UNKNOWN or not verdict.told:
+        reason = reason if verdict.told else f"{CANDIDATES[verdict.candidate]} by habit, {reason}"
+        account.hold("check", block, verdict.by, _unknown(facts, reason))
+        return UNKNOWN
+    told = f"in {CANDIDATES[verdict.candidate]}: {reason}"
+    sure = verdict.confidence
+    if verdict.candidate == LESS_GRAVITY:
+        by_motion = any(row.source == "no gravity" for row in verdict.speaking)
+        sure = "check" if by_motion else sure  # gravity is absent, too, where something carries
+        told += f"; {LESS_GRAVITY_REASON}"
+    account.hold(sure, block, verdict.by, told)
+    return verdict.candidate
 
 
-def _unit_by_gravity(block: ColumnBlock, shown: GravityShown, account: Account) -> str | None:
-    """Return the unit of an effort for which gravity clearly shows one; the name may contradict it;
-    None if it is unknown. The account states why.
-    """
-    named, spelled = _named_unit(block), named_unit(block.names[0]) in UNIT_WORDS
-    best, sentence = shown.likeliest()[0], shown.in_words()
-    if named and named != best and shown.confirms(named):
-        account.hold("assumed", block, "name", f"in {named}: {shown.constants_in_words()}")
-        return named
-    if best == LESS_GRAVITY and not spelled and block.meaning() in ("effort", MOTOR_TORQUE):
-        account.hold("check", block, "numbers", LESS_GRAVITY_REASON)
-        return LESS_GRAVITY
-    if shown.is_of_own_factors() and not spelled and not shown.is_of_a_factor(best):
-        ahead = shown.own - shown.scores[best]
-        factors = f"one factor a joint explains it better than {UNIT_WORDS[best]}, by {ahead:.3g} "
-        factors += f"of log-likelihood: {shown.constants_in_words()}; {OWN_FACTORS_REASON}"
-        if named is None:
-            account.exclude(block, f"in no unit: {factors}")
-        else:
-            account.hold("check", block, "name", f"in {named} by its name, but {factors}")
-        return named
-    strange = best != LESS_GRAVITY and shown.contradicts(best)
-    if named in (None, best) and not strange:
-        if best == "Nm" and not spelled and shown.is_far_from_newton_metres():
-            account.hold("check", block, "numbers", f"in {best}: {sentence}; {OR_SHARE_REASON}")
-            return best
-        sure = best == LESS_GRAVITY or len(shown.constants) >= MIN_BEARING_JOINTS
-        account.hold("proven" if sure else "assumed", block, "numbers", f"in {best}: {sentence}")
-        return best
-    if best != LESS_GRAVITY and not spelled and shown.is_of_a_factor(best):
-        stated = f"--unit {MEASURED_CURRENT}={shown.factor():.3g}"
-        share = "a share of rated torques, with a factor a joint, or one factor would explain it"
-        unknown = f"in no unit that is known: {sentence}; {share}, as {stated}"
-        account.exclude(block, unknown)
-        return None
-    unit = best if named is None or (best == "mA" and named == "A" and not spelled) else named
-    account.hold("check", block, "name" if unit == named else "numbers", f"in {unit}; {sentence}")
-    return unit
+def _unknown(facts: EffortFacts, reason: str) -> str:
+    """Return in words that the unit of an effort is unknown, and the option that ends it."""
+    measured = facts.arm.measured if facts.arm else TORQUE
+    factor, shown = facts.shown.factor(), facts.shown.in_words()
+    value = f"{measured.unit} or the like" if factor is None else f"{factor:.3g}"
+    reason += f"; gravity tells {shown}" if shown and shown not in reason else ""
+    kept = "kept, but no force is stated until it is named"
+    return f"in an unknown unit: {reason}; {kept}: --unit {measured.channel}={value}"
+
+
+def _channel_of(unit: str, target: bool, arm: Robot | None) -> str:
+    """Return the channel of an effort in a unit; in an unknown one, it is what the arm measures."""
+    if unit == UNKNOWN:
+        unit = "A" if arm is not None and arm.measured == CURRENT else "Nm"
+    channel = CHANNELS_BY_UNIT[unit.replace("mA", "A"), target and unit != LESS_GRAVITY]
+    torques = arm is not None and (arm.measured == TORQUE or not arm.is_ur())
+    return "actual_torque" if channel == MOTOR_TORQUE and torques else channel
 
 
 def _targets(

@@ -28,13 +28,14 @@ from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.proposal import Proposal, meanings, propose
 from ur5lib.importing.spellings import CLOCK_NAME
-from ur5lib.recordings.entries import SKIPPED_COLUMN
+from ur5lib.recordings.entries import SKIPPED_COLUMN, UNKNOWN
 from ur5lib.records.account import NOTHING, AccountRow
 from ur5lib.study.reading import parse_study
 from ur5lib.study.turn import reserved
 from ur5lib.tables import write_new_text, write_text
 
-CONFIDENCE_STYLES = {"check": "yellow", "left out": "dim"}
+CONFIDENCE_STYLES = {"check": "yellow", "left out": "dim", "evidence": "dim"}
+TO_BE_CORRECTED = "to be corrected"  # what a recording with a stop sign is taken for
 YAML_WIDTH = 100  # characters a line of YAML
 
 
@@ -75,7 +76,7 @@ def import_files(
     parts = [part for path in paths for part in _parts(path, stated)]
     forms = {k: part.form for k, part in enumerate(parts) if part.form}
     for k, precedent in precedents(forms):
-        parts[k].propose(stated, precedent)
+        parts[k].propose_like(precedent, stated)
     for part in parts:
         if not part.imported or part.layout[2:3] == [f"{NAMELESS_PREFIX}1"]:
             same = (other.imported for other in parts if other.layout == part.layout)
@@ -121,6 +122,17 @@ class _Part:
             self.imported, self.form = _checked(_proposed(self.file, file))
         except InputError as error:
             self.refused = f"arm {self.label} of {error}" if self.label else str(error)
+
+    def propose_like(self, precedent: FormOfFile, stated: UserStatement) -> None:
+        """Import the file like a precedent, unless that brings a stop sign."""
+        alone, form = self.imported, self.form
+        self.propose(stated, precedent)
+        if _is_stopped(self.imported) and not _is_stopped(alone):
+            self.imported, self.form = alone, form
+
+
+def _is_stopped(imported: Iterable[ImportedRecording]) -> bool:
+    return any(row.taken_for == TO_BE_CORRECTED for one in imported for row in one.account)
 
 
 def _parts(path: Path | PartedRun, stated: UserStatement) -> list[_Part]:
@@ -197,6 +209,7 @@ def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
     their account; and how the file was read.
     """
     entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
+    account.sort(key=lambda row: f"[{UNKNOWN}]" not in row.taken_for)  # which forbids all forces
     first, *others = [entry | part for part in episodes(proposal)] or [entry]
     if proposal.arm != UNDESCRIBED_ARM:
         complaints, by_role = contradictions(first), entry["role"] == "fit"
@@ -206,7 +219,8 @@ def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
             account = [*(row for row in account if row.subject != "role"), role]
         else:
             doubted = any(r.subject == ORDER and r.confidence == "check" for r in account)
-            order = "if the joints are in this order, " if doubted else ""
+            unknown = UNKNOWN in first.get("units", {}).values()
+            order = "if the joints are in this order, " if doubted and not unknown else ""
             account = [*_to_be_corrected(order + one for one in complaints), *account]
     ends = None if others else ends_of(proposal)
     recordings = [ImportedRecording(one, account, ends) for one in (first, *others)]
@@ -215,7 +229,7 @@ def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
 
 def _to_be_corrected(complaints: Iterable[str]) -> list[AccountRow]:
     """Return a row of an account for each stop sign."""
-    stop = AccountRow("recording", "to be corrected", "numbers", "check")
+    stop = AccountRow("recording", TO_BE_CORRECTED, "numbers", "check")
     return [replace(stop, reason=one) for one in complaints]
 
 
@@ -276,8 +290,11 @@ _Dumper.add_representer(
 )
 
 
-def account_table(imported: Sequence[ImportedRecording]) -> Table:
-    """Return a table of what each column was taken for; files with equal rows appear once."""
+def account_table(imported: Sequence[ImportedRecording], everything: bool = False) -> Table:
+    """Return a table of what each column was taken for; files with equal rows appear once.
+
+    everything: with the rows of evidence.
+    """
     table = Table("file", "columns", "taken for", "by", "how sure", "why")
     for column in table.columns:
         column.overflow = "fold"
@@ -287,7 +304,8 @@ def account_table(imported: Sequence[ImportedRecording]) -> Table:
         alike.setdefault(rows, []).append(item)
     for first, *others in alike.values():
         name = first.entry["name"] + (f" and {len(others)} more" if others else "")
-        for row in sorted(first.account, key=lambda row: row.confidence != "check"):
+        shown = [row for row in first.account if everything or row.confidence != "evidence"]
+        for row in sorted(shown, key=lambda row: row.confidence != "check"):
             style = CONFIDENCE_STYLES.get(row.confidence, "")
             cells = row.subject, row.taken_for, row.evidence, row.confidence, row.reason
             table.add_row(name, *cells, style=style)

@@ -16,6 +16,7 @@ from ur5lib.importing.account import Names
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.clocks import ROW_CLOCK
 from ur5lib.importing.contents import TABLE_FORMAT, FileContents
+from ur5lib.importing.effort_sources import is_share
 from ur5lib.importing.efforts import (
     EFFORT_MEANINGS,
     UNITS_BY_CHANNEL,
@@ -23,7 +24,6 @@ from ur5lib.importing.efforts import (
     in_stated_unit,
     is_frozen,
     is_rectified,
-    is_share,
     is_target,
     is_torque_of_joints,
     lead_of_opposite,

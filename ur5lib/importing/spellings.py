@@ -174,7 +174,8 @@ def names_command(stem: str) -> bool:
     """Return whether a name is that of a commanded quantity: by a word, or as `q_d`,
     `O_dP_EE_c`.
     """
-    return bool(words(stem) & COMMAND_WORDS) or bool(re.search(r"[a-z]_[dc]$", stem, re.IGNORECASE))
+    bare = without_unit(stem)
+    return bool(words(stem) & COMMAND_WORDS) or bool(re.search(r"[a-z]_[dc]$", bare, re.IGNORECASE))
 
 
 def is_computed(path: str) -> bool:

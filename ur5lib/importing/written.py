@@ -10,6 +10,7 @@ from ur5lib.channels import RECORDED_CHANNELS
 from ur5lib.commands.console import announced, text_console
 from ur5lib.errors import InputError, some
 from ur5lib.importing.contents import UserStatement
+from ur5lib.importing.efforts import EFFORT_MEANINGS
 from ur5lib.importing.entry import StudyEntry, identifier
 from ur5lib.importing.files import (
     ImportedFiles,
@@ -19,6 +20,7 @@ from ur5lib.importing.files import (
     import_files,
     write_study,
 )
+from ur5lib.importing.identity import NAME_IT, UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import runs_of
 from ur5lib.recordings.entries import SKIPPED_COLUMN
 from ur5lib.robots.description import described
@@ -67,9 +69,12 @@ def expect_no_study(files: Sequence[Path]) -> Sequence[Path]:
 
 
 def _expect_channels(imported: ImportedFiles, stated: UserStatement) -> None:
-    """Raise InputError for a stated unit of a channel that no column of any file became."""
+    """Raise InputError for a stated unit of a channel that no column of any file became; an effort
+    is one by any of its names.
+    """
     for channel in stated.units:
-        if not any(channel in _channels(one.entry) for one in imported):
+        names = {*EFFORT_MEANINGS} if channel in EFFORT_MEANINGS else {channel}
+        if not any(names & _channels(one.entry) for one in imported):
             found = sorted({*chain.from_iterable(_channels(one.entry) for one in imported)})
             raise InputError(
                 f"--unit {channel}: no column became this channel; the files have {some(found)}"
@@ -88,28 +93,42 @@ def _channels(entry: StudyEntry) -> set[str]:
 
 
 def write_imported(
-    imported: ImportedFiles, study: Path, last_line: str, append: bool = False
+    imported: ImportedFiles,
+    study: Path,
+    last_line: str,
+    append: bool = False,
+    everything: bool = False,
 ) -> None:
     """Write a study of recordings, or append them to one (`append`); print their account and a last
-    line.
+    line. everything: with the rows of evidence.
 
     Raises InputError, after that, where some files were refused.
     """
     (add_to_study if append else write_study)(imported, study)
-    print_account(imported)
-    print(last_line)
+    print_account(imported, everything=everything)
+    print(_to_name_the_arm(study) or last_line)
     expect_all(imported)
 
 
-def print_imported(imported: ImportedFiles, next_command: str) -> None:
-    """Print the entries of recordings, and on stderr their account and what comes next.
+def print_imported(imported: ImportedFiles, next_command: str, everything: bool = False) -> None:
+    """Print the entries of recordings, and on stderr their account and what comes next;
+    everything: with the rows of evidence.
 
     Raises InputError, after that, where some files were refused.
     """
     print(as_entries(imported), end="")
-    print_account(imported, stderr=True)
-    print(f"next: {next_command}", file=sys.stderr)
+    print_account(imported, stderr=True, everything=everything)
+    unnamed = any(one.arm == UNDESCRIBED_ARM for one in imported)
+    first = f"{NAME_IT}: " if unnamed else ""
+    print(f"next: {first}{next_command}", file=sys.stderr)
     expect_all(imported)
+
+
+def _to_name_the_arm(study: Path) -> str:
+    """Return what comes next for a study with an arm that nothing tells, "" for another."""
+    lines = study.read_text(encoding="utf-8").splitlines()
+    unnamed = [k for k, line in enumerate(lines, 1) if line.strip() == f"robot: {UNDESCRIBED_ARM}"]
+    return f"{study} written; next, in line {unnamed[0]}: {NAME_IT}" if unnamed else ""
 
 
 def study_of(named: Sequence[str], robot: str | None, output: Path | None) -> Path:
@@ -129,10 +148,10 @@ def study_of(named: Sequence[str], robot: str | None, output: Path | None) -> Pa
     return study
 
 
-def print_account(imported: ImportedFiles, stderr: bool = False) -> None:
-    """Print what the columns were taken for, as wide as the terminal."""
+def print_account(imported: ImportedFiles, stderr: bool = False, everything: bool = False) -> None:
+    """Print what the columns were taken for, as wide as the terminal; everything: and why."""
     width = None if sys.stdout.isatty() else ACCOUNT_WIDTH
-    text_console(stderr=stderr, width=width).print(account_table(imported))
+    text_console(stderr=stderr, width=width).print(account_table(imported, everything))
 
 
 def expect_all(imported: ImportedFiles) -> None:

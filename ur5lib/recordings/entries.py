@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter, model_validator
 from pydantic_core import PydanticCustomError
 
-from ur5lib.channels import SIX_SUFFIXES, joint_count, meant
+from ur5lib.channels import MEASURED_EFFORTS, SIX_SUFFIXES, joint_count, meant
 from ur5lib.channels import columns as columns_of
 from ur5lib.errors import InputError
 from ur5lib.recordings.roll_overs import without_roll_over
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 SKIPPED_COLUMN = "-"
 # Columns of frame repair.
 RESERVED_COLUMNS = ["time", "received", "epoch", "slot", "segment", "interpolated"]
+UNKNOWN = "unknown"  # the unit of efforts, of which no force may be stated then
 OPPOSITE_SIGN = "opposite"  # SI, with the opposite sign, as a wrench of the arm on its surroundings
 UNIT_FACTORS = {  # from these units to SI
     "deg": math.pi / 180,
@@ -39,6 +40,7 @@ UNIT_FACTORS = {  # from these units to SI
     "mNm": 1e-3,
     "g": 9.80665,
     OPPOSITE_SIGN: -1.0,
+    UNKNOWN: 1.0,
 }
 
 
@@ -59,7 +61,8 @@ class InUnits(Strict):
         default={},
         description="units of the channels not in SI units: deg, deg/s, ms, mA, g, ...; "
         "`opposite`: SI units with the opposite sign, as of a force sensor that reads the force of "
-        "the arm on its surroundings; or a list with the SI value of one unit of each column",
+        "the arm on its surroundings; `unknown`: of currents or torques, so that no force is "
+        "stated; or a list with the SI value of one unit of each column",
     )
 
     def in_si(self, table: "pd.DataFrame") -> "pd.DataFrame":
@@ -73,6 +76,7 @@ class InUnits(Strict):
             names = columns_of(channel, joints)
             factor = UNIT_FACTORS.get(unit) if isinstance(unit, str) else unit
             fits = not isinstance(factor, list) or len(factor) == len(names)
+            fits &= unit != UNKNOWN or channel in MEASURED_EFFORTS
             if factor is None or not fits or not set(names) <= set(table):
                 raise InputError(
                     f"`units` in the study give {channel} in {unit}; "
@@ -287,6 +291,10 @@ class Files(Strict):
     def at_rest(self) -> bool:
         """Return whether the rows are postures at rest, without time."""
         return getattr(self, "still", False)
+
+    def unknown_unit(self) -> bool:
+        """Return whether the unit of the measured efforts is unknown."""
+        return UNKNOWN in getattr(self, "units", {}).values()
 
     def sensors(self) -> dict[Device, Any]:
         """Return the entries of the sensors by device."""

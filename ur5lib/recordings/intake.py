@@ -17,6 +17,7 @@ from ur5lib.channels import (
     MOST_JOINTS,
     SENSED_TORQUE,
     TORQUE,
+    UNKNOWN_UNIT,
     columns,
     is_unused,
     joint_count,
@@ -86,7 +87,10 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
     del raw  # its channels are freed while they are repaired
-    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, bounds_of(arm))
+    unknown = recording.unknown_unit()
+    bounds = bounds_of(arm, unknown)
+    robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, bounds)
+    robot = robot.assign(**{UNKNOWN_UNIT: True}) if unknown else robot
     findings += repairs + remarks
     robot = with_wrist_sensor(robot, arm, "force" in placed, findings)
     robot = _on_one_zero(robot, placed, arm, findings)
@@ -168,18 +172,18 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
         )
 
 
-def bounds_of(arm: Robot) -> dict[str, float]:
+def bounds_of(arm: Robot, unknown: bool = False) -> dict[str, float]:
     """Return, by column, the magnitude from which on a value is impossible for an arm.
 
     Positions and speeds have a UR's bounds, or twice the arm's own limits if these are larger.
-    Measured torques of other arms have none.
+    Measured torques of other arms have none, nor have efforts in an unknown unit.
     """
     farthest = [TIMES_POSSIBLE * max(map(abs, ends)) for ends in arm.position_limits()]
     fastest = [TIMES_POSSIBLE * speed for speed in arm.velocity_limits()]
     limits = {f"{kind}_q": farthest for kind in ("actual", "target")}
     limits |= {f"{kind}_qd": fastest for kind in ("actual", "target")}
-    if arm.measured == TORQUE:
-        limits[SENSED_TORQUE] = [math.inf] * len(arm.joints)
+    if arm.measured == TORQUE or unknown:
+        limits[arm.measured.channel] = [math.inf] * len(arm.joints)
     return {
         f"{name}_{joint}": max(bound, CHANNELS[name].bound)
         for name, bounds in limits.items()

@@ -36,7 +36,9 @@ def read_postures(recording: Files, arm: Robot) -> tuple[pd.DataFrame, Quality]:
     findings += raw.findings
     source = raw.robot.source
     whole = _complete(frames, source, arm, findings)
-    rows = drop_implausible(whole, source, "robot", findings, bounds_of(arm))
+    rows = drop_implausible(
+        whole, source, "robot", findings, bounds_of(arm, recording.unknown_unit())
+    )
     usable = (name for one in CHANNELS_AT_REST for name in columns(one, len(arm.joints)))
     used = [name for name in usable if name in rows]
     postures = rows[used].groupby(_posture(channel(rows, "actual_q"))).mean()

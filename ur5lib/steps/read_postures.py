@@ -15,6 +15,7 @@ from ur5lib.checks.postures import (
     posture_stop_signs,
     what_gravity_shows,
 )
+from ur5lib.checks.unknown_unit import unknown_unit
 from ur5lib.errors import InputError, UnreadableError
 from ur5lib.recordings import postures as posture_files
 from ur5lib.recordings.entries import Entry, Files
@@ -94,6 +95,8 @@ def checked_postures(
     load = carried(declared, signals)
     reasons = accepted or {}
     stops = posture_stop_signs(means, arm, load.configured, load.payload, reasons)
+    if recording.unknown_unit():
+        stops = [unknown_unit(means, arm.carrying(load.payload))]
     doubts = disagreements(declared, tcp, signals)
     postures = Postures(
         q=means.q,
