@@ -227,6 +227,19 @@ def test_one_driver_has_one_order(tmp_path: Path) -> None:
         )
 
 
+@pytest.mark.parametrize(("robot", "settled"), [("kuka-kr300", True), ("ur5", False)])
+def test_numbers_in_names_settle_the_order(
+    tmp_path: Path, made: Made, robot: str, settled: bool
+) -> None:
+    """Whatever is before them; of a UR, they may count the names of joints, elbow first."""
+    q, qd = made[1]["actual_q"], made[1]["actual_qd"]
+    columns = {f"pos_meas_joint{k + 1}": q[:, k] for k in range(6)}
+    columns |= {f"vel_meas_joint{k + 1}": qd[:, k] for k in range(6)}
+    pd.DataFrame({"time": made[0]} | columns).to_csv(tmp_path / "run.csv", index=False)
+    _, told = imported(tmp_path / "run.csv", robot)
+    assert ("as named in pos_meas_joint1 … pos_meas_joint6" in told) == settled
+
+
 def test_one_driver_has_one_unit(tmp_path: Path) -> None:
     """Of two parts of a UR3's recording, one alone seems to be in Nm; both are whole milliamperes
     times the constants that the other proves.

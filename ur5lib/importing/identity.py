@@ -19,10 +19,10 @@ from ur5lib.checks.readings import (
     usual_orders,
 )
 from ur5lib.checks.tool import on_flange
-from ur5lib.importing.blocks import AXES, ColumnBlock
+from ur5lib.importing.blocks import AXES, JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.importing.spellings import without_unit
+from ur5lib.importing.spellings import place_of, without_unit
 from ur5lib.recordings.arm_joints import JOINT_NAMES
 from ur5lib.records.account import Evidence
 from ur5lib.records.codes import Found
@@ -36,7 +36,7 @@ COMPARED_POSTURES = 12  # postures that are compared
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 ORDER = "the joints' order"
 UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
-NAME_IT = "name the right one, as with --robot ur5e, or describe it (`ur5 describe`)"
+NAME_IT = "name the right arm, as with --robot ur5e, or describe it (`ur5 describe`)"
 JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
 MAX_SHOWN_RATIO = 100.0  # beyond this many times the maker's constant, gravity shows none
 MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
@@ -265,8 +265,8 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
 
 
 def names_order(moving: ImportedMotion) -> Literal["name", "number", ""]:
-    """Return what determines the joints' order: names of a driver's joints, or by the user; or
-    RTDE's numbers, which any recorder may write; "" for neither.
+    """Return what determines the joints' order: names of a driver's joints, or by the user, or
+    numbers; or RTDE's numbers of a UR, which any recorder may write; "" for neither.
     """
     file, block = moving.file, moving.position
     first_name = block.names[0]
@@ -278,8 +278,27 @@ def names_order(moving: ImportedMotion) -> Literal["name", "number", ""]:
         return "name"
     if len(block.names) > 1 and any(joint.search(first_name) for joint in JOINT_NAMES):
         return "name"
+    if _counts(block) and not _may_be_by_name(file):
+        return "name"
     rtde = re.search(r"(actual|act)_?q", first_name, re.IGNORECASE)
     return "number" if len(block.names) > 1 and rtde else ""
+
+
+def _counts(block: ColumnBlock) -> bool:
+    """Return whether the names of a block number the joints from 0 or 1, whatever is before."""
+    places = [place_of(name)[1] for name in block.names]
+    first = min(places[0], 1)
+    return (
+        len(places) > 1
+        and not block.is_nameless()
+        and places == [*range(first, first + len(places))]
+    )
+
+
+def _may_be_by_name(file: FileContents) -> bool:
+    """Return whether columns may be in the order of a UR's names, elbow first, though numbered."""
+    arm = described(file.stated.robot) if file.stated.robot in described_arms() else None
+    return file.joints == JOINTS_OF_UR and (arm is None or arm.has_ur_motors())
 
 
 def _arm(
