@@ -240,6 +240,23 @@ def test_numbers_in_names_settle_the_order(
     assert ("as named in pos_meas_joint1 … pos_meas_joint6" in told) == settled
 
 
+@pytest.mark.parametrize("factor", [1e3, -1.0])
+def test_what_a_file_proves_hangs_on_no_other(tmp_path: Path, factor: float) -> None:
+    """Neither its unit nor its sign, nor does a stop sign come from a file beside it."""
+    table = pd.read_csv(case("base_fit.csv.gz", tmp_path)).drop(
+        columns="timestamp", errors="ignore"
+    )
+    table.to_csv(tmp_path / "amperes.csv", index=False)
+    currents = table.columns[table.columns.str.startswith("actual_current_")]
+    table[currents] *= factor
+    table[: len(table) // 2].to_csv(tmp_path / "other.csv", index=False)
+    (alone,) = import_files([tmp_path / "other.csv"], UserStatement("ur5e"))
+    _, beside = import_files(
+        [tmp_path / "amperes.csv", tmp_path / "other.csv"], UserStatement("ur5e")
+    )
+    assert (beside.entry, beside.account) == (alone.entry, alone.account)
+
+
 def test_one_driver_has_one_unit(tmp_path: Path) -> None:
     """Of two parts of a UR3's recording, one alone seems to be in Nm; both are whole milliamperes
     times the constants that the other proves.

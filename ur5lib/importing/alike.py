@@ -30,15 +30,17 @@ def form_of(proposal: Proposal) -> FormOfFile:
     columns = frozenset(block.names for block in file.blocks + file.silent)
     rows = len(proposal.moving.time)
     told = proposal.arm, None if guessed else proposal.order, efforts, amperes
-    return FormOfFile(file.path.name, columns, *told, rows)
+    sure = [{row.confidence for row in file.account.of_columns.get(names, ())} for names in efforts]
+    proven = bool(sure) and all("proven" in own and "check" not in own for own in sure)
+    return FormOfFile(file.path.name, columns, *told, rows, proven=proven)
 
 
 def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, FormOfFile]]:
     """Yield the numbers of files to be read anew, each with the form of the file that most files of
     the same columns and arm support.
 
-    A file that shows no arm is taken for the only arm of its form. Columns without names show no
-    form.
+    A file that shows no arm is taken for the only arm of its form; one that proves its efforts
+    otherwise stays as it is. Columns without names show no form.
     """
     of_form = defaultdict[frozenset[Names], list[int]](list)
     for source, form in forms.items():
@@ -53,7 +55,8 @@ def precedents(forms: Mapping[int, FormOfFile]) -> Iterator[tuple[int, FormOfFil
             ranked = sorted(zip(votes, told, strict=True), key=lambda one: (one[0], one[1].rows))
             for source in same if ranked else ():
                 form, best = forms[source], ranked[-1][1]
-                if form.arm != arm or not form.is_like(best):
+                own = form.arm == arm and form.proven and not form.supports(best)
+                if not own and (form.arm != arm or not form.is_like(best)):
                     yield source, replace(best, shown=form.supports(best))
 
 

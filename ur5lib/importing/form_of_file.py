@@ -19,7 +19,7 @@ class FormOfFile:
     columns: the names of its blocks; arm: name; order: columns of its joints, None where nothing
     shows it; efforts: channel and factors by block names; amperes: factors that make whole
     milliamperes of efforts, by block names; rows: number of rows; shown: whether a file that is
-    read like it supports it.
+    read like it supports it; proven: whether the file alone proves what its efforts are.
     """
 
     name: str
@@ -30,6 +30,7 @@ class FormOfFile:
     amperes: Mapping[Names, Factors]
     rows: int
     shown: bool = False
+    proven: bool = False
 
     def is_like(self, other: "FormOfFile") -> bool:
         """Return whether order of joints and efforts are the same as in another file."""
