@@ -3,6 +3,7 @@
 from ur5lib.channels import CURRENT
 from ur5lib.checks.arm import torque_constants
 from ur5lib.checks.block_means import BlockMeans
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.phrases import number
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
@@ -20,7 +21,7 @@ def unknown_unit(means: BlockMeans, arm: Robot) -> Finding:
         f"name it: `ur5 import` with --unit {name}={arm.measured.unit} (or {units.split()[1]}, or "
         "the value of one unit of the file), or `units` in the study"
     )
-    return contradiction("unknown unit", "", detail)
+    return contradiction(CauseCode.UNKNOWN_UNIT, "", detail)
 
 
 def _gains(means: BlockMeans, arm: Robot) -> str:

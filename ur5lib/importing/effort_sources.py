@@ -281,8 +281,8 @@ def _constants(facts: EffortFacts) -> Iterator[Row]:
     shown, arm, block_name = facts.shown, facts.arm, facts.block.names[0]
     units = [unit for unit in UNITS if unit == "Nm" or shown.known]
     if len(shown.constants) == 1 and arm is not None and arm.is_ur():
-        far = {unit: -DOUBTED for unit in units if shown.contradicts(unit)}
-        yield Row("constants", far, "other constants", {"constants": shown.in_words()})
+        doubted = {unit: -DOUBTED for unit in units if shown.contradicts(unit)}
+        yield Row("constants", doubted, "other constants", {"constants": shown.in_words()})
     if len(shown.constants) < MIN_BEARING_JOINTS or arm is None:
         return
     near = [unit for unit in units if shown.confirms(unit)]

@@ -241,6 +241,7 @@ class CauseCode(StrEnum):
     UNKNOWN_LINKS = "unknown links"
     UNKNOWN_SIDE = "unknown side"
     UNKNOWN_TORQUES = "unknown torques"
+    UNKNOWN_UNIT = "unknown unit"
     UNLIKELY_CONSTANT = "unlikely constant"
     UNPROVEN_FIT = "unproven fit"
     UNTOLD_MOTION = "untold motion"
