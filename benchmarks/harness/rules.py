@@ -14,7 +14,7 @@ from ur5lib.topics.health.changes import MIN_DATES
 
 WORDS = Path(__file__).parents[2] / "ur5lib/report/page/kit/words.typ"
 ERRORS = "currents, links, motion"  # questions with an error of each joint or component
-RIVALLED = "currents, motion, force"  # questions with a simple rival
+RIVALLED = "currents, motion, force, bands"  # questions with a simple rival
 NOTHING: list[Reason] = ["uncalibrated", "touched", "loaded", "no_motion", "no_unseen"]
 NOTHING += ["no_reference", "no_sensor", "no_contact", "unknown_links"]
 
@@ -38,7 +38,7 @@ NO_ERROR, NO_TORQUE = limits.MIN_DIFFERENCE, limits.MIN_LINK_TORQUE
 OTHER_CONSTANTS = [one for one in REASONS_BY_GRAVITY if one != "unlikely"]
 RULES = [
     Rule("do not use", "recordings, constants, force", "a stop sign", ["stopped"]),
-    Rule("do not use", f"{ERRORS}, force", "error ≥ that of zero", ["worse_than_zero"]),
+    Rule("do not use", f"{ERRORS}, force, bands", "error ≥ that of zero", ["worse_than_zero"]),
     Rule(
         "do not use",
         "force",
@@ -53,7 +53,7 @@ RULES = [
         f"zero errs by ≤ {NO_ERROR:.5f} of its unit (links: {NO_TORQUE:g} Nm)",
         ["too_small"],
     ),
-    Rule("not determined", "force", "on all recordings", ["sensor_bias"]),
+    Rule("not determined", "force, bands", "on all recordings", ["sensor_bias"]),
     Rule(
         "not determined",
         "constants",
@@ -67,7 +67,7 @@ RULES = [
     Rule("usable", "force", "without a fit", ["uncalibrated"]),
     Rule(
         "usable",
-        "currents, force",
+        "currents, force, bands",
         f"a 95 % band contains < {percent(limits.MIN_GOOD_COVERAGE)} of the readings",
         ["undercovers"],
     ),

@@ -15,7 +15,7 @@ from ur5lib.force.contact_figures import (
     periods,
     resampled_figures,
 )
-from ur5lib.force.sensed_contact import contacts, is_free
+from ur5lib.force.sensed_contact import contacts, in_contact, is_free
 from ur5lib.records.contacts import ContactError
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -76,6 +76,20 @@ def test_a_band_that_is_right_when_free_may_be_wrong_in_contact() -> None:
     assert figures["free"]["coverage95"][0] == 1
     assert figures["contact"]["coverage95"][0] == 0
     assert figures["contact"]["interval_score95"][0] > 100
+
+
+def test_an_even_band_is_as_wide_as_the_estimate_errs_without_contact() -> None:
+    """Nearly all of 5 N lies outside of it in contact; with no free sample, there is none."""
+    reference = pushed(3)
+    force, quiet = norm(reference), pushed(3) == 0
+    estimate = np.where(quiet, 1.0, reference + 5.0)
+    figures = figures_by_contact(estimate, None, reference, force, PERIOD)
+    half = np.quantile(np.abs(estimate - reference)[is_free(force, PERIOD)], 0.95, axis=0)
+    error = np.abs(estimate - reference)[in_contact(force)]
+    expected = 2 * half + 40 * np.maximum(error - half, 0).mean(axis=0)
+    np.testing.assert_allclose(figures["contact"]["even_interval_score95"], expected)
+    touched = figures_by_contact(estimate, None, reference, np.full(len(force), 20.0), PERIOD)
+    assert "even_interval_score95" not in touched["contact"]
 
 
 def test_a_band_in_missed_contacts_is_judged_apart() -> None:
@@ -233,6 +247,7 @@ def test_figures_of_a_known_error() -> None:
         "coverage80": 1.0,
         "coverage95": 1.0,
         "interval_score95": 2 * NORMAL95,  # the width of the band, which holds all
+        "width95": 2 * NORMAL95,
     }.items():
         assert figures[name][0] == pytest.approx(value), name
     narrow = figures_by_contact(reference + 0.5, 0.5 * std, reference, force, PERIOD)["all"]

@@ -88,6 +88,8 @@ def drawn(random: np.random.Generator) -> dict[str, list[Row]]:
                     row = {"estimate": estimate, "mae": mae, "mae_low": mae - 0.3}
                     row |= {"mae_high": mae + 0.4, "coverage95": number(0.7, 1.0)}
                     row |= {"band_factor95": number(0.4, 1.8), "zero_in_band95": number(0.1, 0.8)}
+                    row |= {"interval_score95": number(10, 30), "zero_interval_score95": 90.0}
+                    row |= {"even_interval_score95": number(20, 60)}
                     row |= {"slope": number(0.5, 1.0), "mae_missed": 0.2 * mae}
                     tables["force_mae"].append(at | row | {"mae_shut": 0.1, "mae_gain": 0.3 * mae})
     for joint in range(1, 7):
@@ -548,7 +550,8 @@ def test_bands_in_contact_are_told_by_the_worst_at_rest_and_in_motion(told: Judg
     ours = rows("force_mae", estimate="Fmap")
     for motion, resting in (("at rest", True), ("in motion", False)):
         own = [row for row in ours if (MOVING[row["recording"]] is None) == resting]
-        held, blind, width = (one for one in of_question(told, "bands") if one.motion == motion)
+        _, *bands = of_question(told, "bands")
+        held, blind, width = (one for one in bands if one.motion == motion)
         value, row = largest(own, lambda one: -one["coverage95"])
         assert (held.value, held.axis) == (pytest.approx(-100 * value), row["component"][1])
         assert held.reason == ("undercovers" if row["coverage95"] < 0.9 else "")
@@ -559,6 +562,44 @@ def test_bands_in_contact_are_told_by_the_worst_at_rest_and_in_motion(told: Judg
         assert (width.value, width.axis) == (
             *(pytest.approx(1 / row["band_factor95"]), row["component"][1]),
         )
+
+
+def test_bands_are_decided_by_the_score_farthest_above_plain_least_squares(told: Judged) -> None:
+    score, plain = (
+        {
+            name: np.mean([row[column] for row in rows("force_mae", recording=name, estimate=own)])
+            for name in MOVING
+            if rows("force_mae", recording=name, estimate=own)
+        }
+        for own, column in (("Fmap", "interval_score95"), (UNGATED, "even_interval_score95"))
+    )
+    ratio = {name: score[name] / plain[name] for name in score}
+    worst = max(ratio, key=lambda name: ratio[name])
+    first, *_ = of_question(told, "bands")
+    assert (first.rank, first.recording) == (1, worst)
+    assert (first.value, first.rival_value) == pytest.approx((score[worst], plain[worst]))
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        ({}, ("good", "")),
+        ({"coverage95": 0.89}, ("usable", "undercovers")),
+        ({"interval_score95": 60.0}, ("usable", "rival_better")),
+        ({"interval_score95": 48.0}, ("usable", "rival_equal")),
+        ({"interval_score95": 100.0}, ("do not use", "worse_than_zero")),
+        ({"use": "no"}, ("not determined", "sensor_bias")),
+    ],
+)
+def test_the_state_of_bands(changed: dict[str, Any], expected: tuple[str, str]) -> None:
+    about = {"recording": "pushed", "duration_s": 60.0, "frames": 100, "moving_joints": "1"}
+    given = {"interval_score95": 20.0, "zero_interval_score95": 90.0} | changed
+    ours = touched(1.0, band_factor95=1.0, zero_in_band95=0.1, **given)
+    theirs = [row | {"estimate": UNGATED, "even_interval_score95": 50.0} for row in touched(2.0)]
+    entry = V1 | {"name": "pushed", "role": "contact"}
+    found = judge_force(tables_of([entry], recordings=[about], force_mae=ours + theirs))
+    (first,) = (one for one in found if one.question == "bands" and one.rank == 1)
+    assert (first.state, first.reason) == expected
 
 
 @pytest.mark.parametrize(("use", "reason"), [("yes", ""), ("no", "sensor_bias")])

@@ -11,6 +11,7 @@ from ur5lib.records.force_errors import ForceError
 from ur5lib.records.table import WRENCH
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import (
+    BAND_COVERAGE,
     NORMAL95,
     band_factor,
     correlation,
@@ -65,11 +66,16 @@ def figures_by_contact(
     parts = periods(force, period)
     if std is not None:
         parts["missed"] = missed(estimate, force)
+    known = {name: rows for name, within in parts.items() if (rows := within & finite).any()}
     figures = {
         name: error_figures(estimate[rows], None if std is None else std[rows], reference[rows])
-        for name, within in parts.items()
-        if (rows := within & finite).any()
+        for name, rows in known.items()
     }
+    if "free" in known:
+        half = np.quantile(np.abs(reference - estimate)[known["free"]], BAND_COVERAGE, axis=0)
+        for name, rows in known.items():
+            even = interval_score(estimate[rows], half / NORMAL95, reference[rows])
+            figures[name]["even_interval_score95"] = even
     if "contact" in figures:
         figures["contact"] |= resampled_figures(estimate, reference, force)
         if std is not None:
@@ -127,6 +133,7 @@ def error_figures(estimate: Array, std: Array | None, reference: Array) -> dict[
         "zero_interval_score95": zero_interval_score(reference),
     }
     if std is not None:
+        figures["width95"] = 2 * NORMAL95 * np.nanmean(std, axis=0)
         figures["interval_score95"] = interval_score(estimate, std, reference)
         figures["band_factor95"] = band_factor(estimate, std, reference)
         inside = (np.abs(estimate) <= NORMAL95 * std)[:, :3]  # of the force

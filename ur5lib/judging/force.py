@@ -43,8 +43,9 @@ def in_contact(study: StudyTables) -> pd.DataFrame:
     every = study.rows("force_mae", **about)
     every = every[every["reason"] != "fitted"]
     key = ["recording", "component"]
-    plain = every[every["estimate"] == UNGATED].set_index(key)["mae"]
-    rows = leading(every).join(plain.rename("plain"), on=key)
+    plain = every[every["estimate"] == UNGATED].set_index(key)
+    plain = plain[["mae", "even_interval_score95"]].set_axis(["plain", "plain_score"], axis=1)
+    rows = leading(every).join(plain, on=key)
     floors = study.rows("repetition", quantity="force")
     floors = floors.astype({"component": object})
     floors = floors.assign(in_floors=floors["error"] / floors["floor"])
@@ -183,16 +184,21 @@ def _interval(row: "pd.Series[Any]") -> dict[str, Any]:
 
 
 def _bands(study: StudyTables, known: pd.DataFrame) -> Iterator[Verdict]:
-    """Yield the quality of the 95 % bands in contact along pushed axes, at rest and in motion, the
-    worse first.
+    """Yield the interval score of the 95 % bands in contact, which decides, and their quality along
+    pushed axes, at rest and in motion, the worse first.
     """
+    scored = sure(known).dropna(subset=["interval_score95"])
+    if len(scored):
+        yield _score(scored)
     rows = known.dropna(subset=["coverage95", "band_factor95"])
     rows = rows[rows["mean_force"] > MIN_PUSH]
     moves = np.array([bool(study.moving(name)) for name in rows["recording"]], dtype=bool)
     halves = {IN_MOTION: rows[moves], AT_REST: rows[~moves]}
     order = sorted(halves.items(), key=lambda half: half[1]["coverage95"].min())
     numbers = [(when, *number) for when, part in order if len(part) for number in _worth(part)]
-    for rank, (when, quantity, value, unit, row, reason) in enumerate(numbers, start=1):
+    for rank, (when, quantity, value, unit, row, reason) in enumerate(
+        numbers, start=2 if len(scored) else 1
+    ):
         yield Verdict(
             question="bands",
             rank=rank,
@@ -204,6 +210,41 @@ def _bands(study: StudyTables, known: pd.DataFrame) -> Iterator[Verdict]:
             axis=row["axis"],
             recording=row["recording"],
         )
+
+
+def _score(rows: pd.DataFrame) -> Verdict:
+    """Return the interval score of the bands on the recording where it is farthest above that of
+    plain least squares, or else of zero, with the width that free readings need.
+    """
+    names = {"interval_score95": "score", "zero_interval_score95": "zero", "plain_score": "rival"}
+    means = rows.rename(columns=names).groupby("recording", sort=False)
+    means = means[[*names.values(), "coverage95"]].mean()
+    row = means.loc[(means["score"] / means["rival"].fillna(means["zero"])).idxmax()]
+    state, reason = _state_of_bands(row, bool((rows["use"] == "no").all()))
+    rival: dict[str, Any] = {"rival": RIVAL, "rival_value": row["rival"]}
+    return Verdict(
+        question="bands",
+        state=state,
+        reason=reason,
+        quantity="interval score of the 95 % band in contact: width and 40 times what lies outside",
+        value=row["score"],
+        unit="N",
+        axis="mean of x, y, z",
+        recording=str(row.name),
+        zero=row["zero"],
+        **({} if pd.isna(row["rival"]) else rival),
+    )
+
+
+def _state_of_bands(row: "pd.Series[Any]", doubted: bool) -> tuple[State, Reason]:
+    """Return the state of bands and the reason why it is not better; doubted: sensors' biases."""
+    if doubted:
+        return "not determined", "sensor_bias"
+    if row["score"] >= row["zero"]:
+        return "do not use", "worse_than_zero"
+    few: Reason = "undercovers" if row["coverage95"] < MIN_GOOD_COVERAGE else ""
+    reason = few or next(beaten(row["score"], row["rival"]), "")
+    return ("usable" if reason else "good"), reason
 
 
 def _worth(part: pd.DataFrame) -> Iterator[tuple[str, float, str, "pd.Series[Any]", Reason]]:

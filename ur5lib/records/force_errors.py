@@ -21,12 +21,15 @@ class ForceError:
     mae, max: mean absolute and largest error, with those of an estimate of zero; slope: estimate
     over sensor, empty for a mean force below 1 N or moment below 0.1 Nm; skill: 1 - mae / zero's;
     coverage50 to coverage95: shares in its bands, in missed contacts of the time in a band that is
-    valid only if nothing touches the arm; interval_score95: of the 95 % band, and of zero;
-    band_factor95: multiple of this band that contains 95 %; zero_in_band95: share of the time in
-    which it contains zero on all axes; mae_missed, mae_shut, mae_gain: parts of `mae` by missed
-    contacts, late alarms and another gain; mae_low, mae_high: its 95 % interval; skill_low: lower
-    end of the skill's; determined: whether the skill in contact is above zero; use, reason: whether
-    an error of a force in contact may be relied on, and why not, or with which doubt.
+    valid only if nothing touches the arm; width95: mean width of the 95 % band; interval_score95:
+    its width and 40 times what lies outside; zero_interval_score95: the same of zero with the even
+    width that contains 95 % of these readings; even_interval_score95: of this estimate with that
+    which contains 95 % of the free ones; band_factor95: multiple of this band that contains 95 %;
+    zero_in_band95: share of the time in which it contains zero on all axes; mae_missed, mae_shut,
+    mae_gain: parts of `mae` by missed contacts, late alarms and another gain; mae_low, mae_high:
+    its 95 % interval; skill_low: lower end of the skill's; determined: whether the skill in contact
+    is above zero; use, reason: whether an error of a force in contact may be relied on, and why
+    not, or with which doubt.
     """
 
     kind: str
@@ -46,6 +49,8 @@ class ForceError:
     coverage95: float | None = None
     interval_score95: float | None = None
     zero_interval_score95: float | None = None
+    even_interval_score95: float | None = None
+    width95: float | None = None
     band_factor95: float | None = None
     zero_in_band95: float | None = None
     mae_missed: float | None = None

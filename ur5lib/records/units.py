@@ -26,7 +26,9 @@ BY_TABLE: dict[str, dict[str, str]] = {  # a pattern of columns' names, and thei
     "cross_validation": {"rmse": EFFORT},
     "current_rmse": {"rmse|^mae$": EFFORT},
     "error_parts": {"^(error|missed|late_alarms|gain|friction)$": "N", "^drift": "N/min"},
-    "force_mae": {"^(zero_)?(mae.*|max|interval_score95)$|mean_force": WRENCH},
+    "force_mae": {
+        "^(zero_|even_)?(mae.*|max|interval_score95)$|^width95$|mean_force": WRENCH,
+    },
     "friction": {"^load$": "Nm", "known|contradicted": f"Nm/{EFFORT}"},
     "judged_errors": {"torque$": "Nm"},
     "model_errors": {"mae": "Nm"},

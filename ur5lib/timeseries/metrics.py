@@ -74,8 +74,8 @@ def finite_quantile(values: Array, share: float) -> Array:
     return np.array([np.quantile(own, share) if len(own) else np.nan for own in columns])
 
 
-def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
-    """Return the mean Winkler score of each column's 95 % band: width + 2 / 0.05 times misses.
+def interval_scores(estimate: Array, std: Array, reference: Array) -> Array:
+    """Return the Winkler score (N, K) of each value's 95 % band: width + 2 / 0.05 times misses.
 
     Lower is better; a band that is too wide or too narrow scores worse (Gneiting and
     Raftery 2007, Equation 43).
@@ -83,7 +83,12 @@ def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
     half = NORMAL95 * std
     # width + 2 / α times what lies outside, α = 0.05
     missed = np.maximum(np.abs(reference - estimate) - half, 0.0)
-    return np.nanmean(2 * half + 2 / 0.05 * missed, axis=0)
+    return 2 * half + 2 / 0.05 * missed
+
+
+def interval_score(estimate: Array, std: Array, reference: Array) -> Array:
+    """Return the mean of `interval_scores` of each column."""
+    return np.nanmean(interval_scores(estimate, std, reference), axis=0)
 
 
 def zero_interval_score(reference: Array) -> Array:
