@@ -39,11 +39,12 @@ from ur5lib.records.signals import Signals
 from ur5lib.study.reading import parse_study
 from ur5lib.tables import read_csv, write_csv
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import interval_scores
 from ur5rivals.board import RESULTS_FOLDER, estimates, learnt
 from ur5rivals.estimators import all_estimators
 from ur5rivals.estimators.published import ESTIMATORS as PUBLISHED
 from ur5rivals.run import Estimate, Run
-from ur5rivals.scores import known_to_all, masked, score_by_sample
+from ur5rivals.scores import known_to_all, masked
 from ur5rivals.study import StudyArm, label_paths, read_run
 
 SEEDS = 30
@@ -162,7 +163,7 @@ def figures(
             row |= {f"{place}_samples": rows.sum(), f"{place}_square": square[rows].sum()}
             row |= {f"{place}_force": (whole[rows, :3] ** 2).sum()}
             if own.std is not None:
-                score = score_by_sample(own.wrench, own.std, whole)[rows]
+                score = interval_scores(own.wrench, own.std, whole)[rows, :3].mean(axis=1)
                 inside = (np.abs(own.wrench - whole) <= NORMAL * own.std)[rows, :3]
                 row |= {f"{place}_score": score.sum(), f"{place}_inside": inside.mean(axis=1).sum()}
         yield row | {"free": float(np.median(np.linalg.norm(own.wrench[free, :3], axis=1)))}

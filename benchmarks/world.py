@@ -6,7 +6,8 @@ A study has recordings to fit on, a free one, one that is pushed in motion and o
 situation changes, `benchmarks/harness/situations.py` lists. Recordings are simulated, written as
 files of RTDE channels, and taken through the workflow up to the tables. In contact, by the truth:
 error of the force beside that of plain least squares and of an estimate of zero, share inside the
-95 % band, and the band's width over that of the narrowest one that would hold 95 %; contacts found,
+95 % band, its interval score (width and 40 times what lies outside) there and in all samples with a
+known force, and its width over that of the narrowest one that would hold 95 %; contacts found,
 false alarms; known torque constants inside their interval; stop signs; the state of the forces.
 What is built stays in raw/world and results/world-*. `--page` writes docs/world.md.
 """
@@ -40,7 +41,7 @@ from ur5lib.stand.truth import TrueParameters, Truth
 from ur5lib.study.arms import base_gravity
 from ur5lib.tables import read_csv, read_record
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
-from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.timeseries.metrics import NORMAL95, interval_scores
 from ur5lib.timeseries.segments import spans
 
 RAW, RESULTS, SEEDS = Path("raw/world"), Path("results"), 3
@@ -62,7 +63,8 @@ row: most are below one, those with an unknown tool above.](pictures/world.svg)
 
 - Errors are root mean squares of the force vector in contact, by the truth, low-passed as torques
   are; plain: least squares of the external torques.
-- Inside: share of components in the 95 % band; wide: its width over that which would hold 95 %.
+- Inside: share of components in the 95 % band; score: its width and 40 times what lies outside,
+  mean of the axes; wide: its width over that which would hold 95 %.
 - Found: contacts of all recordings; false: alarms without one; constants: determined ones whose
   interval contains the truth.
 - At the elbow, no force at the flange is right: contacts count as found, and no error is stated.
@@ -70,7 +72,16 @@ row: most are below one, those with an unknown tool above.](pictures/world.svg)
 """
 FILE, PLAN = "robot.csv", "plan.txt"
 COLUMNS = ["situation", "ours [N]", "plain [N]", "zero [N]", "ours / plain", "inside"]
-COLUMNS += ["wide, moving", "wide, resting", "found", "false", "constants", "stop signs", "state"]
+COLUMNS += [
+    "score in contact / whole [N]",
+    "wide, moving",
+    "wide, resting",
+    "found",
+    "false",
+    "constants",
+    "stop signs",
+    "state",
+]
 
 
 def main() -> None:
@@ -194,12 +205,17 @@ def errors(
     raised = alarms(forces.log_odds["Fmap"], thresholds.get("Fmap", 0.0))
     found = compare(raised, spans(touched.astype(float), 0.5, 0.5), forces.period)
     needed = np.abs(error[used]) / band[used]
+    score = interval_scores(forces.wrench["Fmap"][:, :3], forces.std["Fmap"][:, :3], true)
+    score = np.where(used | ~touched, score.mean(axis=1), np.nan)
     return {
         "samples": int(used.sum()),
         "ours": float((error[used] ** 2).sum()),
         "plain": float(((plain - true)[used] ** 2).sum()),
         "zero": float((true[used] ** 2).sum()),
         "inside": float((needed <= 1).mean(axis=1).sum()),
+        "score": float(score[used].sum()),
+        "whole": float(np.nansum(score)),
+        "known": int(np.isfinite(score).sum()),
         "wide": 1 / float(np.quantile(needed, 0.95)) if used.any() else np.nan,
         "contacts": found.contacts,
         "found": found.found,
@@ -217,7 +233,7 @@ def table(rows: pd.DataFrame) -> str:
     """Return a line for each situation."""
     lines = []
     for name, own in rows.groupby("situation", sort=False):
-        sums = own[["samples", "ours", "plain", "zero", "inside", "contacts", "found"]].sum()
+        sums = own.select_dtypes("number").sum()
         count = sums["samples"] or np.nan
         ours, plain, zero = (np.sqrt(sums[kind] / count) for kind in ("ours", "plain", "zero"))
         wide = own.groupby("recording")["wide"].mean()
@@ -227,6 +243,7 @@ def table(rows: pd.DataFrame) -> str:
                 *(told(value, 1) for value in (ours, plain, zero)),
                 told(ours / plain, 2),
                 told(sums["inside"] / count, 2),
+                f"{told(sums['score'] / count, 0)} / {told(sums['whole'] / sums['known'], 0)}",
                 *(told(wide.get(kind, np.nan), 1) for kind in ("moving", "resting")),
                 f"{sums['found']:.0f} of {sums['contacts']:.0f}",
                 f"{own['false'].sum():.0f} in {own['minutes'].sum():.1f} min",

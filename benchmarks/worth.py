@@ -6,9 +6,11 @@ Takes results/<study> as built; by default that of `make`, of a ur5. Each path o
 fit on is left out in turn, with its day if other days have enough paths, and judged; before, all
 are fitted, and what shares neither path nor day with them is judged. In contact by the force
 sensor, and in pushes that are drawn with a seed and put onto recordings without contact: RMSE of
-the force, share of samples inside its 95 % band, contacts found. Without contact: false alarms.
-PARTS says what stands in the place of a part. `--constants` takes half and twice of each constant
-of `benchmarks/harness/scaled_constants.py` instead, and prints what this changes in all studies;
+the force, share of samples inside its 95 % band, the band's interval score (its width and 40 times
+what lies outside it, mean of the axes), in contact and in the whole recording, and its width;
+contacts found, and how late. Without contact: false alarms. PARTS says what stands in the place of
+a part. `--constants` takes half and twice of each constant of
+`benchmarks/harness/scaled_constants.py` instead, and prints what this changes in all studies;
 `--page` writes it into docs/methods.md. `--currents` prints what is left of the currents of paths
 and dates left out, beside plain least squares. `--quick` does the first fold alone.
 """
@@ -51,11 +53,18 @@ from ur5lib.records.motion import Motion
 from ur5lib.tables import read_record
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.kalman import Gaussians
-from ur5lib.timeseries.metrics import NORMAL95
+from ur5lib.timeseries.metrics import NORMAL95, interval_scores
 
 PAGE, TITLE = Path(__file__).parents[1] / "docs/methods.md", "Constants chosen with scores in sight"
-COLUMNS = ["without", "RMSE [N]", "inside", "found", "RMSE of pushes [N]", "inside", "found",
-           "false alarms a minute"]  # fmt: skip
+FIGURES = [
+    "RMSE [N]",
+    "inside",
+    "score in contact / whole run [N]",
+    "width [N]",
+    "found",
+    "late [s]",
+]
+COLUMNS = ["without", *FIGURES, *(f"pushes: {name}" for name in FIGURES), "false alarms a minute"]
 
 
 class Part(NamedTuple):
@@ -235,9 +244,17 @@ def in_contacts(
     size, error = np.linalg.norm(true[:, :3], axis=1), (found.wrench - true)[:, :3]
     during = in_contact(size) & np.isfinite(error).all(axis=1)
     inside = np.abs(error) <= NORMAL95 * found.std[:, :3]
+    score = interval_scores(found.wrench, found.std, true)[:, :3].mean(axis=1)
     matched = compare(alarms(found.log_odds, least), contacts(size), period)
     sums = {"square": (error[during] ** 2).sum(), "inside": inside[during].mean(axis=1).sum()}
-    return sums | {"samples": during.sum(), "contacts": matched.contacts, "found": matched.found}
+    sums |= {"score": score[during].sum(), "whole": np.nansum(score)}
+    sums |= {"width": 2 * NORMAL95 * found.std[during, :3].mean(axis=1).sum()}
+    sums |= {"samples": during.sum(), "known": np.isfinite(score).sum()}
+    return sums | {
+        "contacts": matched.contacts,
+        "found": matched.found,
+        "late": matched.delays.sum(),
+    }
 
 
 def table(rows: pd.DataFrame) -> str:
@@ -251,12 +268,20 @@ def table(rows: pd.DataFrame) -> str:
 
 
 def figures(sums: pd.DataFrame, part: str, by: str) -> list[str]:
-    """RMSE, share inside the band, and contacts found; empty where there are none."""
+    """Return the cells of FIGURES; empty where there are no contacts."""
     if (part, by) not in sums.index:
-        return [""] * 3
+        return [""] * len(FIGURES)
     own = sums.loc[part, by]
     rmse, inside = np.sqrt(own["square"] / own["samples"]), own["inside"] / own["samples"]
-    return [f"{rmse:.2f}", f"{inside:.3f}", f"{own['found']:.0f} of {own['contacts']:.0f}"]
+    late = own["late"] / own["found"] if own["found"] else np.nan
+    return [
+        f"{rmse:.2f}",
+        f"{inside:.3f}",
+        f"{own['score'] / own['samples']:.1f} / {own['whole'] / own['known']:.1f}",
+        f"{own['width'] / own['samples']:.1f}",
+        f"{own['found']:.0f} of {own['contacts']:.0f}",
+        f"{late:.3f}",
+    ]
 
 
 def alarmed(sums: pd.DataFrame, part: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from ur5lib.force.contact_figures import INTERVAL_ENDS, figures_by_contact, resampled_means
 from ur5lib.force.sensed_contact import CONTACT_FORCE, contacts, in_contact
 from ur5lib.timeseries.arrays import Array, Mask
-from ur5lib.timeseries.metrics import coverage, interval_score
+from ur5lib.timeseries.metrics import coverage, interval_scores
 from ur5rivals.run import Estimate, Run
 
 FORCE_COMPONENTS = ("Fx", "Fy", "Fz")
@@ -22,7 +22,8 @@ def sensed_rows(run: Run, estimates: EstimatesByName, ours: str) -> Iterator[dic
 
     Samples in which any estimate is unknown are left out for all. mae: of an axis; rmse: of the
     force vector; score: interval score, mean of the axes; <figure>_more: difference from the figure
-    of `ours`. Each has the 95 % interval (_low, _high) from a bootstrap over whole contacts.
+    of `ours`; with the 95 % interval (_low, _high) of each from a bootstrap over whole contacts.
+    width: of the band in contact; score_whole: of the whole recording.
     """
     assert run.sensor is not None
     size = np.linalg.norm(run.sensor[:, :3], axis=1)
@@ -42,8 +43,10 @@ def sensed_rows(run: Run, estimates: EstimatesByName, ours: str) -> Iterator[dic
                 | of_axis
                 | (beside[FORCE_COMPONENTS[axis]][name] if during == "contact" else {})
             )
-        if "coverage95" in figures["contact"]:
+        if estimate.std is not None:
             row["coverage95"] = float(figures["contact"]["coverage95"][:3].mean())
+            row["width"] = float(figures["contact"]["width95"][:3].mean())
+            row["score_whole"] = float(figures["all"]["interval_score95"][:3].mean())
         yield row | {"during": "contact", "component": "norm"} | beside["norm"][name]
 
 
@@ -62,7 +65,7 @@ def compared(
     errors = {name: (estimate.wrench - sensor)[:, :3] for name, estimate in estimates.items()}
     squares = {name: (error**2).sum(axis=1) for name, error in errors.items()}
     scores = {
-        name: score_by_sample(estimate.wrench, estimate.std, sensor)
+        name: interval_scores(estimate.wrench, estimate.std, sensor)[:, :3].mean(axis=1)
         for name, estimate in estimates.items()
         if estimate.std is not None
     }
@@ -73,17 +76,6 @@ def compared(
         absolute = {name: np.abs(error[:, axis]) for name, error in errors.items()}
         by_axis[component] = _resampled(absolute, size, np.asarray, "mae", ours)
     return by_axis | {"norm": {name: rmse[name] | score.get(name, {}) for name in estimates}}
-
-
-def score_by_sample(wrench: Array, std: Array, sensor: Array) -> Array:
-    """Return the interval score (N,) [N] of each sample, mean of the axes, NaN where unknown."""
-    score = np.full(len(wrench), np.nan)
-    finite = np.isfinite(wrench + std + sensor).all(axis=1)
-    estimate, band, truth = (
-        values[None, finite, :3] for values in (wrench, std, sensor)
-    )  # (1, n, 3)
-    score[finite] = interval_score(estimate, band, truth).mean(axis=1)
-    return score
 
 
 def _resampled(

@@ -8,8 +8,8 @@ from ur5rivals.estimators.ours import OURS
 
 SENSED_COLUMNS = [
     *("estimator", "causal", "latency", "RMSE [N]", "RMSE less ours [N]", "MAE x, y, z [N]"),
-    *("slope x, y, z", "in band in contact", "interval score in contact [N]"),
-    "free MAE x, y, z [N]",
+    *("slope x, y, z", "in band in contact", "width of the band in contact [N]"),
+    *("interval score in contact [N]", "of the whole run [N]", "free MAE x, y, z [N]"),
 ]
 FREE_COLUMNS = ["estimator", "causal", "latency", "median [N]", "95 % below [N]", "zero in band"]
 
@@ -37,7 +37,8 @@ def sensed_table(scores: pd.DataFrame) -> str:
         difference = "" if row["estimator"] == OURS else interval(row, "rmse_more", sign="+")
         cells = [*common(row), interval(row, "rmse"), difference]
         cells += [numbers(contact["mae"]), numbers(contact["slope"], 2), share(row["coverage95"])]
-        rows.append([*cells, interval(row, "score"), numbers(free["mae"])])
+        cells += [number(row.get("width")), interval(row, "score"), number(row.get("score_whole"))]
+        rows.append([*cells, numbers(free["mae"])])
     return markdown(SENSED_COLUMNS, rows)
 
 

@@ -131,6 +131,7 @@ CONSTANTS = {
 Counts = Mapping[tuple[str, str], pd.DataFrame]  # rows by part, and by kind of contacts counted
 HEADS = ["constant", "value", "of what", "chosen on"]
 COUNTED = {"sensor": "contacts", "pushes": "pushes"}
+SCORED = {"score": "score", "whole": "score of the run"}
 
 
 def value(constant: Constant) -> Any:
@@ -192,9 +193,13 @@ def told(number: Any) -> str:
 
 
 def scores(counts: Counts, by: str, part: str) -> str:
-    """Return a part's RMSE, found contacts, share inside the band, and false alarms."""
+    """Return a part's RMSE, interval score in contact and in the whole run, found contacts, share
+    inside the band, and false alarms.
+    """
     own = counts[part, by].sum(numeric_only=True)
-    words = [f"{np.sqrt(own['square'] / own['samples']):.1f} N", f"{own['found']:.0f} found"]
+    words = [f"{np.sqrt(own['square'] / own['samples']):.1f} N"]
+    words += [f"score {own['score'] / own['samples']:.0f} / {own['whole'] / own['known']:.0f}"]
+    words += [f"{own['found']:.0f} found"]
     words += [f"{100 * own['inside'] / own['samples']:.0f} % inside"]
     return ", ".join(words + [f"{false(counts, part):.0f} false"] * (by == "pushes"))
 
@@ -207,7 +212,8 @@ def change(counts: Counts, by: str, whole: str, part: str) -> str:
     words = (
         [f"{rmse:+.0f}" + (f" ± {error:.0f} %" if round(error) else " %")] if round(rmse) else []
     )
-    further = {"found": sums["found"], "% inside": 100 * sums["inside"] / other["samples"].sum()}
+    further = {f"% {name}": 100 * sums[key] / other[key].sum() for key, name in SCORED.items()}
+    further |= {"found": sums["found"], "% inside": 100 * sums["inside"] / other["samples"].sum()}
     further |= {"false": false(counts, part) - false(counts, whole)} if by == "pushes" else {}
     words += [f"{by_much:+.0f} {what}" for what, by_much in further.items() if round(by_much)]
     return ", ".join(words).replace("-", "−") or "0"
