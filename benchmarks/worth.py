@@ -108,6 +108,7 @@ def of_a_free_arm(_: Array, missed: Array, free: Array) -> Array:
 
 WHOLE = "nothing"
 ESTIMATE, GATE = "ur5lib.force.wrench_estimate", "ur5lib.force.gate"
+SHUT = "ur5lib.force.while_shut"
 PARTS = {
     WHOLE: Part(),
     "friction of the run": Part(without_gears("friction")),
@@ -123,7 +124,7 @@ PARTS = {
         {f"{ESTIMATE}.CONTACT_MARGIN": 0.0, f"{ESTIMATE}.CLOSING_PROBABILITY": OPENING_PROBABILITY}
     ),
     "usual rest": Part({"ur5lib.force.residual_model.SHOWN_DURATION": 1e-3}),
-    "mixture band": Part({f"{ESTIMATE}.mixture_std": of_a_free_arm}),
+    "mixture band": Part({f"{SHUT}.mixture_std": of_a_free_arm}),
     "cross-fitting": Part(
         {"ur5lib.records.friction.Friction.fit_for": lambda own, _: own.fit}, refits=True
     ),

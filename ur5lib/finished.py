@@ -183,6 +183,9 @@ class FinishedStudy(Shown):
 
         The environment on the arm, base axes, at the origin of frame 6. `log_odds_Fmap`: log-odds
         of a contact. Other estimators have columns with their names. NaN where none is stated.
+        Where no contact is found (`if_untouched`), the force is within ± `untouched_x` ... if
+        nothing has touched since the arm came to rest; a contact of up to `hidden_x` ... could be
+        hidden, of up to `hidden_at_all_x` ... since before [N]. `unsmoothed_x` ...: for peaks [N].
         """
         return forces_of(self._of_recording(recording, "forces"))
 

@@ -26,8 +26,8 @@ class Constant(NamedTuple):
 
 FACTORS = (0.5, 2.0)
 FORCE = "ur5lib.force"
-ESTIMATE, GATE, RESIDUAL = (
-    f"{FORCE}.{name}" for name in ("wrench_estimate", "gate", "residual_model")
+ESTIMATE, GATE, RESIDUAL, SHUT = (
+    f"{FORCE}.{name}" for name in ("wrench_estimate", "gate", "residual_model", "while_shut")
 )
 STATES, REFIT = f"{FORCE}.external_torque", "ur5lib.steps.fit_residuals"
 CONSTANTS = {
@@ -51,7 +51,7 @@ CONSTANTS = {
     "of pauses": Constant("seconds", "thesis, 2235795e", ("pause",)),
     "of contacts that may be missed": Constant("seconds", "thesis, b95bfb8c", ("unseen_duration",)),
     "κ": Constant(
-        "deviations of what hides a contact", "thesis, c4688d3e", (f"{ESTIMATE}.MISSED_DEVIATIONS",)
+        "deviations of what hides a contact", "thesis, c4688d3e", (f"{SHUT}.MISSED_DEVIATIONS",)
     ),
     "gate closes": Constant(
         "probability", "thesis, 2235795e", (f"{ESTIMATE}.CLOSING_PROBABILITY",)
@@ -97,7 +97,19 @@ CONSTANTS = {
     "hunting": Constant("breakaway torque", "thesis, b95bfb8c", ("hunting",)),
     "settling": Constant("seconds", "thesis, 2235795e", ("settling",)),
     "smoothing at rest": Constant(
-        "periods of the low-pass", "thesis, b95bfb8c", (f"{ESTIMATE}.REST_SMOOTHING_PERIODS",)
+        "periods of the low-pass", "thesis", (f"{ESTIMATE}.REST_SMOOTHING_PERIODS",)
+    ),
+    "deviation that the prior leaves": Constant(
+        "computed one", "thesis, pushes", (f"{FORCE}.contact_wrench.PRIOR_SHARE",)
+    ),
+    "background of a rest's start": Constant(
+        "seconds", "thesis, pushes", (f"{SHUT}.REFERENCE_DURATION",)
+    ),
+    "of a press, counts as force": Constant(
+        "press", "thesis, pushes", (f"{ESTIMATE}.PRESS_AS_FORCE",)
+    ),
+    "of a press, is in the band": Constant(
+        "press", "thesis, pushes", (f"{ESTIMATE}.PRESS_AS_DOUBT",)
     ),
     "a slow press": Constant(
         "typical force", "thesis, 46137208", (f"{FORCE}.contact_wrench.STATIC_FORCE",)

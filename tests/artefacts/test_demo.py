@@ -39,13 +39,16 @@ from ur5lib.commands.convert import write_recordings
 from ur5lib.commands.exported import exported
 from ur5lib.errors import InputError
 from ur5lib.finished import FinishedStudy
+from ur5lib.force.sensed_contact import in_contact
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.records.codes import Found
+from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.friction import without_totals
 from ur5lib.records.verdicts import Verdict
 from ur5lib.report.figures.house_style import save
 from ur5lib.tables import read_csv, read_json, write_rows
+from ur5lib.timeseries.metrics import interval_score
 
 FRICTION = ["torque_constant", "offset", "coulomb", "viscous", "load"]
 NOTICE = "Simulated: all recordings of this study are of the virtual test stand"
@@ -205,6 +208,25 @@ def test_every_fault_is_found(results: Path) -> None:
         Found.STALE_DATA, Found.LOST_FRAMES, Found.STALE_COPY, Found.SATURATION,
     } <= set(quality["code"])  # fmt: skip
     assert not (quality["severity"] == "error").any()
+
+
+@pytest.mark.parametrize(
+    ("name", "contact", "whole"),
+    [("way_points_pushed", 20.0, 13.0), ("standstill_pushed", 38.0, 34.0), ("pressed", 27.0, 25.0)],
+)
+def test_a_change_that_doubles_a_band_fails(
+    results: Path, name: str, contact: float, whole: float
+) -> None:
+    """Largest interval scores [N], in contact and in the whole recording, mean of the axes."""
+    at = results / "recordings" / name
+    sensor = SensorWrenches.read(at / "sensor.parquet").wrench["compensated"]
+    forces = Forces.read(at / "forces.parquet")
+    touched = in_contact(np.linalg.norm(sensor[:, :3], axis=1))
+    given = forces.wrench["Fmap"], forces.std["Fmap"], sensor
+    for of, rows in ((contact, touched), (whole, slice(None))):
+        estimate, std, true = (values[rows, :3] for values in given)
+        assert interval_score(estimate, std, true).mean() < of
+        assert interval_score(estimate, 2 * std, true).mean() > of
 
 
 def test_a_saturated_sensor_judges_no_peak(results: Path) -> None:

@@ -121,7 +121,11 @@ def statements() -> Iterator[str]:
     yield f"in motion {residual_model.RUBBING_SHARE:g} of the deviation that the fits show"
     yield f"takes {residual_model.USUAL_RUBBING:g} of the breakaway torque in motion"
     smoothing = wrench_estimate.REST_SMOOTHING_PERIODS
-    yield f"a normal weight of {smoothing:g} periods of the low-pass"
+    yield f"a normal weight of {smoothing:g} periods of"
+    yield f"of {wrench_estimate.FEW_PATHS_SMOOTHING_PERIODS:g} where few paths were fitted"
+    yield f"{wrench_estimate.PRESS_AS_FORCE:g} of it is added to F"
+    yield f"{wrench_estimate.PRESS_AS_DOUBT:g} of it to the band"
+    yield f"{contact_wrench.PRIOR_SHARE:g} of the deviation that P leaves"
     yield f"κ is {missed_contacts.MISSED_DEVIATIONS:g}."
     yield f"as contact (its torque is {gate.QUIET_SHARE:g} of the fast error)"
     yield f"the prior P is 0 ± {contact_wrench.STATIC_FORCE:g} typical forces"

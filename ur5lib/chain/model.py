@@ -194,7 +194,8 @@ class Model(Shown):
         self, recordings: Recordings, accept: Mapping[str, str] | None = None
     ) -> pd.DataFrame:
         """Return the estimated contact wrenches of recordings, as forces.parquet of a study has
-        them: `Fmap_Fx` ... `Fmap_nz` [N, Nm], `Fmap_std_Fx` ..., and `log_odds_Fmap` of a contact.
+        them: `Fmap_Fx` ... `Fmap_nz` [N, Nm], `Fmap_std_Fx` ..., and `log_odds_Fmap` of a contact;
+        `untouched_x` ... and `hidden_x` ... [N], see `FinishedStudy.forces`.
 
         The environment on the arm, base axes, at the origin of frame 6; NaN where nothing is known.
         `time` [s] is the index, of several recordings `recording` and `time`. accept: reasons for

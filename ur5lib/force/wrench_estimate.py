@@ -18,9 +18,8 @@ from ur5lib.force.contact_wrench import (
     ContactWrench,
     contact_wrench,
     least_squares_wrench,
-    static_wrench,
 )
-from ur5lib.force.external_torque import finite_rows, is_still
+from ur5lib.force.external_torque import finite_rows
 from ur5lib.force.force_input import MEAN_STICTION, ForceInput, mean_stiction_torque
 from ur5lib.force.gate import (
     Observations,
@@ -29,14 +28,10 @@ from ur5lib.force.gate import (
     find_contacts,
     log_odds,
 )
-from ur5lib.force.missed_contacts import (
-    MISSED_DEVIATIONS,
-    missed_contacts,
-    mixture_std,
-    probability_while_shut,
-)
 from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.while_shut import while_shut
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.sampling import interpolated, thinning
 from ur5lib.timeseries.segments import Span, inside_spans, spans, unbroken
 
@@ -44,8 +39,14 @@ OPENING_PROBABILITY = 0.5  # a contact reaches it
 CLOSING_PROBABILITY = 0.1  # a contact lasts while above it
 CONTACT_MARGIN = 0.15  # s; a contact is extended this long at both ends
 MIN_PROBABILITY_INSIDE = 0.999  # inside a contact, its probability is at least this
-# Standard deviation of the window that averages forces at rest, in periods of the low-pass.
-REST_SMOOTHING_PERIODS = 0.4
+# Standard deviation of the window that averages forces at rest, in periods of the low-pass: longer
+# where so few paths were fitted, or none, that their friction is hardly known.
+REST_SMOOTHING_PERIODS = 0.2
+FEW_PATHS_SMOOTHING_PERIODS = 0.4
+# In contact, part of the force is taken for background: this share of the press that would explain
+# it is given back, and this one is in the band.
+PRESS_AS_FORCE = 0.3
+PRESS_AS_DOUBT = 0.25
 
 
 class StretchEstimate(NamedTuple):
@@ -55,6 +56,10 @@ class StretchEstimate(NamedTuple):
 
     wrench: Array
     std: Array
+    unsmoothed: Array
+    untouched: Array
+    hidden: Array
+    hidden_at_all: Array
     log_odds: Array
     background: Array
     least_squares: Array
@@ -95,7 +100,9 @@ def at_all_samples(stretches: Iterable[tuple[slice, Array]], every: int) -> Arra
 class WrenchEstimate:
     """The wrench of the environment on the arm, base axes, at the origin of the last frame.
 
-    wrench, std: (N, 6) [N, Nm]; wrench ± 1.96 std is the 95 % band; log_odds: (N,), of contact,
+    wrench, std: (N, 6) [N, Nm]; wrench ± 1.96 std is the 95 % band; unsmoothed: (N, 3) [N], the
+    force before it is averaged at rest, for peaks; untouched, hidden, hidden_at_all: (N, 3) [N], as
+    in `WhileShut`; in contacts, half of the 95 % band, and zero. log_odds: (N,), of contact,
     given all samples; background: (N, n) [Nm], slow part of the external torque; least_squares,
     least_squares_std: (N, 6) [N, Nm], the wrench of the same contacts without a prior: NaN in them
     where the torque is unknown, zero elsewhere. NaN where the arm's pose is unknown. Each quantity
@@ -108,6 +115,10 @@ class WrenchEstimate:
     every: int
     wrench = AtAllSamples()
     std = AtAllSamples()
+    unsmoothed = AtAllSamples()
+    untouched = AtAllSamples()
+    hidden = AtAllSamples()
+    hidden_at_all = AtAllSamples()
     log_odds = AtAllSamples()
     background = AtAllSamples()
     least_squares = AtAllSamples()
@@ -205,15 +216,22 @@ def _estimate(observations: Observations) -> StretchEstimate:
         posterior_wrench = contact_wrench(*samples, observations.worth, lossy)
         map_estimate.mean[part], map_estimate.variance[part] = posterior_wrench
         least_squares.mean[part], least_squares.variance[part] = least_squares_wrench(*samples)
-    shut = _std_while_shut(observations, probability, inside)
-    std = std_in_contact(likely, map_estimate, model.doubt, shut)
+    shut = while_shut(observations, background.mean, probability, inside)
+    std = np.hypot(
+        std_in_contact(likely, map_estimate, model.doubt, shut.std),
+        PRESS_AS_DOUBT * model.doubt * shut.press,
+    )
     resting = inside & noise.still.all(axis=1) & finite_rows(torque)
-    rest_samples = REST_SMOOTHING_PERIODS / (model.cutoff * period)
+    within = inside[:, None]
+    given_back = np.where(within, PRESS_AS_FORCE * shut.press, 0.0)
+    wrench = smoothed(likely[:, None] * map_estimate.mean, resting, _rest_samples(observations))
     return StretchEstimate(
-        wrench=smoothed(likely[:, None] * map_estimate.mean, resting, rest_samples),
-        std=np.hypot(
-            np.where(inside[:, None], std, shut), _slow_press(observations, background.mean)
-        ),
+        wrench=wrench + given_back,
+        std=np.where(within, std, shut.std),
+        unsmoothed=(likely[:, None] * map_estimate.mean + given_back)[:, :3],
+        untouched=np.where(within, NORMAL95 * std[:, :3], shut.untouched),
+        hidden=np.where(within, 0.0, shut.hidden),
+        hidden_at_all=np.where(within, 0.0, shut.hidden_at_all),
         log_odds=log_odds(probability),
         background=background.mean,
         least_squares=least_squares.mean,
@@ -221,13 +239,21 @@ def _estimate(observations: Observations) -> StretchEstimate:
     )
 
 
+def _rest_samples(observations: Observations) -> float:
+    """Return the standard deviation, in samples, of the window that averages forces at rest."""
+    few = observations.model.doubt > 1 or observations.model.usual
+    periods = FEW_PATHS_SMOOTHING_PERIODS if few else REST_SMOOTHING_PERIODS
+    return periods / (observations.model.cutoff * observations.period)
+
+
 def _at_flange(estimate: StretchEstimate, place: Array) -> StretchEstimate:
     """Return the estimate with its wrenches at the origin of frame 6; place: (n, 3) [m]."""
+    quantities = estimate._asdict()
+    wrenches = {name: quantities[name] for name in ("wrench", "least_squares")}
+    stds = {name: quantities[name] for name in ("std", "least_squares_std")}
     return estimate._replace(
-        wrench=wrench_at_flange(estimate.wrench, place),
-        std=std_at_flange(estimate.std, place),
-        least_squares=wrench_at_flange(estimate.least_squares, place),
-        least_squares_std=std_at_flange(estimate.least_squares_std, place),
+        **{name: wrench_at_flange(own, place) for name, own in wrenches.items()},
+        **{name: std_at_flange(own, place) for name, own in stds.items()},
     )
 
 
@@ -267,39 +293,3 @@ def contact_spans(probability: Array, period: float) -> list[Span]:
     )
     reach = np.ones(2 * round(CONTACT_MARGIN / period) + 1, bool)
     return spans(binary_dilation(in_contact, reach).astype(float), 0.5, 0.5)
-
-
-def _slow_press(observations: Observations, background: Array) -> Array:
-    """Return the wrench (n, 6) of a slow press that would cause the background (n, joints) [Nm],
-    times the model's doubt.
-
-    It widens the band while the whole arm rests without a tare; zero elsewhere.
-    """
-    resting = is_still(observations.states)
-    wrench = np.zeros((len(background), 6))
-    if resting.any():
-        std = np.sqrt(observations.noise.spread[resting])
-        wrench[resting], _ = static_wrench(
-            background[resting],
-            std,
-            observations.jacobian[resting],
-            observations.prior.force,
-        )
-    return observations.model.doubt * wrench
-
-
-def _std_while_shut(observations: Observations, contact_probability: Array, inside: Mask) -> Array:
-    """Return σ (n, 6) while the gate is shut, with which ± 1.96 σ is the 95 % band of the wrench.
-
-    The band is that of a mixture of a free arm, with a force that does not count as contact, and a
-    missed contact. contact_probability: probability of contact by the gate (n,); inside: which
-    samples are in contacts (n,).
-    """
-    model, prior = observations.model, observations.prior
-    hidden = (model.doubt * MISSED_DEVIATIONS) ** 2 * observations.noise.hiding()
-    share, variance = missed_contacts(observations.jacobian, hidden, prior)
-    probability = probability_while_shut(share, inside, observations.period, prior)
-    free_variance = np.diagonal(observations.quiet)
-    return mixture_std(
-        np.maximum(probability, contact_probability[:, None]), variance, free_variance
-    )

@@ -10,6 +10,7 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.table import JOINTS, WRENCH, SegmentedTable, channel
 from ur5lib.timeseries.arrays import Array, Mask
 
+AXES = ("x", "y", "z")
 REFERENCES = ("printed", "corrected", "compensated")
 
 
@@ -29,6 +30,16 @@ class Estimate(Protocol):
         """Log-odds (N,) of contact, None if the estimator is not gated."""
 
 
+class Leading(Protocol):
+    """What the leading estimate states besides, see `ur5lib.force.wrench_estimate`."""
+
+    background: Array
+    untouched: Array
+    hidden: Array
+    hidden_at_all: Array
+    unsmoothed: Array
+
+
 @dataclass(frozen=True, kw_only=True)
 class Forces(SegmentedTable):
     """Contact wrenches from currents: the environment acting on the arm, base axes, frame 6's
@@ -38,6 +49,11 @@ class Forces(SegmentedTable):
     all samples, (N,); background: (N, 6) [Nm], slow external torque that is no contact;
     if_untouched: (N,), where no contact is found: there, the leading estimate's band is valid only
     if nothing touches the arm.
+
+    Of the leading estimate, (N, 3) [N]: untouched, half of the 95 % band of the force if nothing
+    has touched since the arm came to rest, of the band itself in motion and in contacts; hidden, up
+    to which a contact since then could be hidden, and hidden_at_all, also one that lasts longer,
+    zero in contacts; unsmoothed, the force before it is averaged at rest, for peaks.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH)
@@ -46,14 +62,18 @@ class Forces(SegmentedTable):
     background: Array | None = channel("tau_background", "Nm", JOINTS, optional=True)
     if_untouched: Mask | None = channel("if_untouched", "1", optional=True, dtype=np.bool_)
 
+    untouched: Array | None = channel("untouched", "N", AXES, optional=True)
+    hidden: Array | None = channel("hidden", "N", AXES, optional=True)
+    hidden_at_all: Array | None = channel("hidden_at_all", "N", AXES, optional=True)
+    unsmoothed: Array | None = channel("unsmoothed", "N", AXES, optional=True)
+
     @classmethod
     def of(
-        cls,
-        motion: Motion,
-        estimates: Mapping[str, Estimate | None],
-        background: Array | None,
+        cls, motion: Motion, estimates: Mapping[str, Estimate | None], fmap: Leading | None
     ) -> "Forces":
-        """Return estimates by name, at the times of a motion."""
+        """Return estimates by name, at the times of a motion; fmap: the leading one, None without
+        it.
+        """
         known = {name: one for name, one in estimates.items() if one is not None}
         odds = {name: one.log_odds for name, one in known.items()}
         leading = next((one for one in known.values() if one.log_odds is not None), None)
@@ -63,8 +83,10 @@ class Forces(SegmentedTable):
             wrench={name: one.wrench for name, one in known.items()},
             std={name: one.std for name, one in known.items() if one.std is not None},
             log_odds={name: own for name, own in odds.items() if own is not None},
-            background=background,
             if_untouched=None if leading is None else np.all(leading.wrench == 0, axis=1),
+            **{}
+            if fmap is None
+            else {name: getattr(fmap, name) for name in Leading.__annotations__},
         )
 
 

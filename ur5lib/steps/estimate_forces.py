@@ -62,9 +62,9 @@ def estimate_forces(
         static = static_forces(recording, arm, lowpass, prior.force)
         run = replace(run, static=static)
     estimates = {name: one.estimate(run) for name, one in ESTIMATORS.items()}
-    background, time = run.background, motion.anew()
+    fmap, time = run.fmap, motion.anew()
     del run  # of a long recording, memory has either all inputs or all results
-    return Forces.of(time, estimates, background)
+    return Forces.of(time, estimates, fmap)
 
 
 def most_probable(
