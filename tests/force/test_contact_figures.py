@@ -15,6 +15,7 @@ from ur5lib.force.contact_figures import (
     periods,
     resampled_figures,
 )
+from ur5lib.force.estimators import Stated
 from ur5lib.force.sensed_contact import contacts, in_contact, is_free
 from ur5lib.records.contacts import ContactError
 from ur5lib.timeseries.metrics import NORMAL95
@@ -147,7 +148,7 @@ def test_three_contacts_tell_an_interval(count: int, told: list[str]) -> None:
 def rows_of(estimate: np.ndarray, reference: np.ndarray) -> list[ContactError]:
     """Errors of an estimated force by contact and component."""
     time = PERIOD * np.arange(len(reference))
-    return [*contact_errors("F", estimate, reference, norm(reference), time)]
+    return [*contact_errors("F", Stated(estimate), reference, norm(reference), time)]
 
 
 @given(st.floats(0.1, 2.0))
@@ -160,6 +161,23 @@ def test_peak_and_impulse_of_a_scaled_estimate(scale: float) -> None:
         assert row.peak_error == pytest.approx((scale - 1) * row.peak)
         assert row.impulse == pytest.approx(10, abs=0.5)
         assert row.impulse_error == pytest.approx((scale - 1) * row.impulse)
+
+
+def test_the_largest_force_is_that_before_it_is_averaged() -> None:
+    """With its band along its direction; without a band or a force, there is none."""
+    reference = pushed(1)[:, :3]
+    sharp = 1.1 * np.roll(reference, 1, axis=1)  # along y
+    std = np.tile([1.0, 2.0, 3.0, 0.0, 0.0, 0.0], (len(reference), 1))
+    time, force = PERIOD * np.arange(len(reference)), norm(reference)
+    stated = Stated(0.5 * pushed(1), std, None, sharp)
+    (*_, whole) = contact_errors("F", stated, reference, force, time)
+    assert whole.largest == pytest.approx(1.1 * whole.peak)
+    assert whole.largest_band == pytest.approx(2.0 * NORMAL95)
+    assert whole.peak_error == pytest.approx(-0.5 * whole.peak)
+    (*_, plain) = rows_of(0.5 * reference, reference)
+    assert (plain.largest, plain.largest_band) == (pytest.approx(0.5 * plain.peak), None)
+    (*_, unknown) = rows_of(np.nan * reference, reference)
+    assert unknown.largest is None
 
 
 def test_errors_have_the_same_sign_whatever_the_pushs() -> None:
@@ -200,7 +218,7 @@ def test_a_saturated_sensor_is_no_truth() -> None:
     force, at_limit = norm(limited), limited[:, 0] == 12.0
     reference = np.where(at_limit[:, None], np.nan, limited)
     time = PERIOD * np.arange(len(force))
-    rows = contact_errors("F", true[:, :3], reference[:, :3], force, time)
+    rows = contact_errors("F", Stated(true), reference[:, :3], force, time)
     for row in rows:
         assert np.isnan(row.peak_error)
         assert np.isnan(row.impulse_error)

@@ -20,6 +20,7 @@ from ur5lib.force.alarms import (
     raised,
 )
 from ur5lib.force.contact_figures import contact_errors
+from ur5lib.force.estimators import Stated
 from ur5lib.force.fates import (
     Outcome,
     cause_of,
@@ -67,7 +68,7 @@ def found(stretches: list[Span], sensor: SensorWrenches) -> tuple[list[Alarm], l
     the contacts at the sensor.
     """
     still = np.zeros((len(sensor.time), 6))
-    own = Alarms(0 * sensor.time, stretches, still, still)
+    own = Alarms(0 * sensor.time, stretches, still, still, still[:, :3])
     alarms = raised(own, sensor, still, 0 * sensor.time, lambda _, one: one)
     return alarms, [*detections("Fmap", own, alarms, sensor, 0.0)]
 
@@ -92,7 +93,7 @@ def test_tables_agree_on_the_fates_of_contacts(
         height[first:last] = data.draw(st.sampled_from([2.5, 4.0, 6.0, 30.0]))
     sensor = sensor_of(height, period)
     reading = sensor.wrench["compensated"][:, :3]
-    errors = contact_errors("Fmap", 0 * reading, reading, height, sensor.time)
+    errors = contact_errors("Fmap", Stated(0 * reading), reading, height, sensor.time)
     alarms, rates = found(stretches, sensor)
     rows = [one for one in with_fates(errors, alarms) if one.fate is not None]
     (row,) = (one for one in rates if one.force_class_n == CONTACT_FORCE)
@@ -238,7 +239,7 @@ def test_the_fixed_threshold_has_time_above_and_pushes_found() -> None:
     """Of four pushes along x, three are in the estimate; a sensor is needed to count them."""
     pushes = np.tile(np.repeat([0.0, 12.0, 0.0], 4), 4)  # N
     shown = np.outer(np.where(np.arange(48) < 36, pushes, 0.0), np.eye(6)[0])
-    own = Alarms(shown[:, 0], [], shown, 0 * shown)
+    own = Alarms(shown[:, 0], [], shown, 0 * shown, shown[:, :3])
     nothing = SensorWrenches(**stretch(0.01 * np.arange(48)))
     for sensor, counted in ((sensor_of(pushes, 0.01), (4, 3)), (nothing, (None, None))):
         rows = [*fixed_thresholds("F*", own, sensor)]

@@ -16,7 +16,13 @@ from tests.made_study import COLUMNS, finding, predicted, touched
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging.advice import ASKING, advice
 from ur5lib.judging.constants import judge_constants
-from ur5lib.judging.contacts import judge_contacts, noticed, of_days, rates
+from ur5lib.judging.contacts import (
+    judge_contacts,
+    noticed,
+    of_days,
+    rates,
+    with_sharp_peaks,
+)
 from ur5lib.judging.currents import judge_currents
 from ur5lib.judging.force import judge_force
 from ur5lib.judging.links import judge_links
@@ -414,6 +420,20 @@ def test_from_the_least_peak_above_all_that_are_missed_none_is_missed(told: Judg
             value, row = largest(above, lambda one: -one["peak"])
             assert (verdict.value, verdict.recording) == (-value, row["recording"])
             assert verdict.count == len(above)
+
+
+def test_peaks_are_those_before_forces_are_averaged() -> None:
+    """Where the sensor is saturated, or the estimate states none, nothing is put in their place."""
+    rows = pd.DataFrame(
+        {
+            "peak": [20.0, 20.0, 20.0],
+            "peak_error": [-3.0, None, -4.0],
+            "largest": [19.0, 25.0, None],
+        }
+    )
+    assert with_sharp_peaks(rows)["peak_error"].tolist() == pytest.approx(
+        [-1.0, np.nan, -4.0], nan_ok=True
+    )
 
 
 def test_what_is_noticed_on_a_recording_is_what_its_rows_hold(told: Judged) -> None:

@@ -21,10 +21,12 @@ from ur5lib.records.contacts import Detection, FixedThreshold
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.table import WRENCH
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import Span, inside_spans, overlap, spans
 
 # Contacts are counted by class: those that reach each of these forces at the sensor.
 FORCE_CLASSES = [TOUCH_FORCE, CONTACT_FORCE, 10.0, 15.0]  # N
+MIN_FORCE = 1e-12  # N; replaces a zero divisor
 RELIABLE_FORCE_OF_THESIS = 10.0  # N; Section 6 claims reliable detection along z from this force on
 
 
@@ -33,10 +35,12 @@ class Alarm:
     """A span in which an estimate shows a contact.
 
     start, end, peak: times [s] of its first and last sample, and of its largest force; force,
-    force_std: that force (3,) [N], base axes, and its standard deviation; q: joints then (n,)
-    [rad]; flange_speed: mean during the alarm [m/s]; kind: contact or grasped load; load_mass,
-    load_mass_std: [kg], None for a contact; off_flange: whether the torques exclude a contact at
-    the flange; at_sensor: whether it overlaps a touch at the force sensor, None without a sensor.
+    force_std: that force (3,) [N], base axes, and its standard deviation; largest, largest_band:
+    the largest size of the force before it is averaged, and half of its 95 % band [N]; q: joints
+    then (n,) [rad]; flange_speed: mean during the alarm [m/s]; kind: contact or grasped load;
+    load_mass, load_mass_std: [kg], None for a contact; off_flange: whether the torques exclude a
+    contact at the flange; at_sensor: whether it overlaps a touch at the force sensor, None without
+    a sensor.
     """
 
     start: float
@@ -45,6 +49,8 @@ class Alarm:
     force: Array
     force_std: Array
     q: Array
+    largest: float = float("nan")
+    largest_band: float = float("nan")
     flange_speed: float = float("nan")
     kind: Literal["contact", "load"] = "contact"
     load_mass: float | None = None
@@ -80,25 +86,27 @@ class Matched:
 
 class Alarms(NamedTuple):
     """The alarms of one estimate. evidence: (N,) log-odds, or size of the force [N], from which
-    they follow; raised: their spans; wrench, std: the estimate (N, 6).
+    they follow; raised: their spans; wrench, std: the estimate (N, 6); unsmoothed: the force of
+    which peaks are told (N, 3) [N].
     """
 
     evidence: Array
     raised: list[Span]
     wrench: Array
     std: Array
+    unsmoothed: Array
 
 
 def alarms_of(estimate: Stated, threshold: float) -> Alarms:
     """Return the alarms of an estimate by its odds of contact, or, where it states a force alone,
     by the size of the force; the threshold is then in N.
     """
-    wrench, std, odds = estimate
-    std = np.full_like(wrench, np.nan) if std is None else std
+    wrench, odds = estimate.wrench, estimate.log_odds
+    std = np.full_like(wrench, np.nan) if estimate.std is None else estimate.std
     if odds is not None:
-        return Alarms(odds, alarms(odds, threshold), wrench, std)
+        return Alarms(odds, alarms(odds, threshold), wrench, std, estimate.sharp)
     size = np.nan_to_num(np.linalg.norm(wrench[:, :3], axis=1))
-    return Alarms(size, force_alarms(size, threshold), wrench, std)
+    return Alarms(size, force_alarms(size, threshold), wrench, std, estimate.sharp)
 
 
 def all_alarms(
@@ -182,7 +190,21 @@ def strongest(span: Span, time: Array, q: Array, own: Alarms) -> Alarm:
     first, last = span
     peak = peak_of(span, own)
     times = float(time[first]), float(time[last - 1]), float(time[peak])
-    return Alarm(*times, own.wrench[peak, :3], own.std[peak, :3], q[peak])
+    largest = largest_force(own.unsmoothed[first:last], own.std[first:last, :3])
+    return Alarm(*times, own.wrench[peak, :3], own.std[peak, :3], q[peak], *largest)
+
+
+def largest_force(force: Array, std: Array) -> tuple[float, float]:
+    """Return the largest size [N] of a force (M, 3), and half of its 95 % band then [N]; NaN
+    without a force. std: (M, 3) [N].
+    """
+    size = np.linalg.norm(force, axis=1)
+    if not np.isfinite(size).any():
+        return float("nan"), float("nan")
+    at = int(np.nanargmax(size))
+    # |u σ| of independent errors along the direction u of the force
+    along = np.linalg.norm(force[at] * std[at]) / max(size[at], MIN_FORCE)
+    return float(size[at]), float(NORMAL95 * along)
 
 
 def peak_of(span: Span, own: Alarms) -> int:

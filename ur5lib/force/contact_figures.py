@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from ur5lib.force.alarms import largest_force
+from ur5lib.force.estimators import Stated
 from ur5lib.force.sensed_contact import CONTACT_FORCE, contacts, in_contact, is_free
 from ur5lib.records.contacts import WHOLE, ContactError
 from ur5lib.records.force_errors import ForceError
@@ -208,13 +210,15 @@ def force_errors(
 
 
 def contact_errors(
-    name: str, estimate: Array, reference: Array, force: Array, time: Array
+    name: str, stated: Stated, reference: Array, force: Array, time: Array
 ) -> Iterator[ContactError]:
     """Yield for each contact at the sensor a row for each axis, and one for the force vector.
 
-    name: of the estimate; estimate, reference: forces (N, 3) [N], the latter NaN where the sensor
-    is saturated; force: (N,) [N], of the sensor, which defines contacts; time: (N,) [s].
+    name: of the estimate; stated: by it; reference: force (N, 3) [N], NaN where the sensor is
+    saturated; force: (N,) [N], of the sensor, which defines contacts; time: (N,) [s].
     """
+    estimate = stated.wrench[:, :3]
+    std = np.full_like(estimate, np.nan) if stated.std is None else stated.std[:, :3]
     estimated_contacts = contacts(np.linalg.norm(estimate, axis=1), CONTACT_FORCE)
     parts = error_parts(estimate, reference, force)
     for number, span in enumerate(contacts(force, CONTACT_FORCE), start=1):
@@ -235,9 +239,17 @@ def contact_errors(
             **about,
             component=WHOLE,
             **_peak_and_impulse(e, f, step),
+            **_largest(stated.sharp[first:last], std[first:last]),
             onset_error_s=None if onset is None else float(time[onset]) - start,
             **own,
         )
+
+
+def _largest(force: Array, std: Array) -> dict[str, Any]:
+    """Return the largest force of a contact with half of its 95 % band, None where unknown."""
+    names = ("largest", "largest_band")
+    known = zip(names, largest_force(force, std), strict=True)
+    return {name: None if np.isnan(value) else value for name, value in known}
 
 
 def _peak_and_impulse(estimate: Array, reference: Array, step: float) -> dict[str, Any]:

@@ -29,12 +29,19 @@ class Stated(NamedTuple):
     of frame 6.
 
     wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where there is no estimate; std is
-    None if the estimator states none; log_odds: (N,), of contact, None if it states no odds.
+    None if the estimator states none; log_odds: (N,), of contact, None if it states no odds;
+    unsmoothed: (N, 3) [N], the force of which peaks are told, None if it is that of `wrench`.
     """
 
     wrench: Array
     std: Array | None = None
     log_odds: Array | None = None
+    unsmoothed: Array | None = None
+
+    @property
+    def sharp(self) -> Array:
+        """Return the force (N, 3) [N] of which peaks are told."""
+        return self.wrench[:, :3] if self.unsmoothed is None else self.unsmoothed
 
 
 def all_stated(forces: "Forces", others: Mapping[str, Array]) -> dict[str, Stated]:
@@ -46,6 +53,8 @@ def all_stated(forces: "Forces", others: Mapping[str, Array]) -> dict[str, State
         name: Stated(wrench, forces.std.get(name), forces.log_odds.get(name))
         for name, wrench in forces.wrench.items()
     }
+    if LEADING in ours:
+        ours[LEADING] = ours[LEADING]._replace(unsmoothed=forces.unsmoothed)
     return {name: Stated(wrench) for name, wrench in others.items()} | ours
 
 

@@ -61,6 +61,8 @@ def contact_rows(estimate: str, alarms: Iterable[Alarm], is_free: bool) -> Itera
             peak_s=alarm.peak,
             **force,
             **std,
+            largest=alarm.largest,
+            largest_band=alarm.largest_band,
             posture_deg=" ".join(f"{angle:z.1f}" for angle in np.degrees(alarm.q)),
             flange_speed=alarm.flange_speed,
             kind=kind_of(alarm, is_free),

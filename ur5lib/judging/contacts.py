@@ -137,8 +137,17 @@ def noticed(study: StudyTables) -> Iterator[Noticed]:
 
 def at_every_sensor(study: StudyTables) -> pd.DataFrame:
     """Return the contacts at the sensors that reach 5 N, of all recordings."""
-    rows = study.rows("contact_errors", estimate=LEADING, component="norm")
+    rows = with_sharp_peaks(study.rows("contact_errors", estimate=LEADING, component="norm"))
     return rows[(rows["peak"] >= CONTACT_FORCE) & rows["fate"].notna()]
+
+
+def with_sharp_peaks(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return contacts at a sensor with the errors of the peaks before forces are averaged at rest,
+    where both are known.
+    """
+    sharp = rows["largest"].astype(float) - rows["peak"].astype(float)
+    known = sharp.notna() & rows["peak_error"].notna()
+    return rows.assign(peak_error=rows["peak_error"].where(~known, sharp))
 
 
 def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:

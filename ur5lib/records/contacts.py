@@ -45,10 +45,12 @@ class ContactError:
     sensor saturated in part of the contact. The row "norm" alone has: onset_error_s, the delay with
     which the estimate passes the sensor's levels; mae [N], mean over the axes; mae_shut, the part
     of it while no alarm is raised; mae_gain, the part that one gain of the whole recording would
-    remove; of an estimate that raises alarms, fate (found by an alarm of its own, merged within
-    that of another contact, or missed), cause of most of mae (late_alarm, by mae_shut; constants,
-    by mae_gain; else friction, at rest stiction), and the band [N], see
-    `ur5lib.force.fates.Outcome`. All rows are in `tables/contact_errors.csv` of a study's results.
+    remove; largest, the largest size of the estimate before it is averaged at rest, and
+    largest_band, half of its 95 % band [N]; of an estimate that raises alarms, fate (found by an
+    alarm of its own, merged within that of another contact, or missed), cause of most of mae
+    (late_alarm, by mae_shut; constants, by mae_gain; else friction, at rest stiction), and the band
+    [N], see `ur5lib.force.fates.Outcome`. All rows are in `tables/contact_errors.csv` of a study's
+    results.
     """
 
     estimate: str
@@ -60,6 +62,8 @@ class ContactError:
     peak_error: float
     impulse: float
     impulse_error: float
+    largest: float | None = None
+    largest_band: float | None = None
     onset_error_s: float | None = None
     mae: float | None = None
     mae_shut: float | None = None
@@ -121,11 +125,12 @@ class Contact:
     """A row of contacts.csv: an alarm of an estimate.
 
     start_s, end_s, peak_s: of the largest force [s]; Fx to Fz: this force and its standard
-    deviations [N]; posture_deg: the joints there [°]; flange_speed: mean [m/s]; kind, the first
-    that is true: load, a grasped one; contact, where the sensor reads a touch (3 N); false, where
-    without a sensor the role denies contacts and no undeclared load is found; off_flange; false,
-    where a sensor reads nothing; else contact; load_mass: of a load [kg]; off_flange: whether the
-    torques exclude that the contact is at the flange.
+    deviations [N]; largest: size of the force where it is largest before it is averaged at rest,
+    with half of its 95 % band [N]; posture_deg: the joints there [°]; flange_speed: mean [m/s];
+    kind, the first that is true: load, a grasped one; contact, where the sensor reads a touch (3
+    N); false, where without a sensor the role denies contacts and no undeclared load is found;
+    off_flange; false, where a sensor reads nothing; else contact; load_mass: of a load [kg];
+    off_flange: whether the torques exclude that the contact is at the flange.
     """
 
     estimate: str
@@ -138,6 +143,8 @@ class Contact:
     Fy_std: float
     Fz: float
     Fz_std: float
+    largest: float = float("nan")
+    largest_band: float = float("nan")
     posture_deg: str
     flange_speed: float
     kind: Kind

@@ -21,8 +21,8 @@ BY_ENDING = {
 BY_NAME = {"minutes": "min", "seconds": "s"}
 BY_TABLE: dict[str, dict[str, str]] = {  # a pattern of columns' names, and their unit
     "acceleration_mae": {"mae$": ACCELERATION},
-    "contact_errors": {"^impulse": "N s", "^(peak|peak_error|mae.*|band)$": "N"},
-    "contacts": {"^F": "N", "flange_speed": "m/s", "load_mass": "kg"},
+    "contact_errors": {"^impulse": "N s", "^(peak|peak_error|largest.*|mae.*|band)$": "N"},
+    "contacts": {"^F|^largest": "N", "flange_speed": "m/s", "load_mass": "kg"},
     "cross_validation": {"rmse": EFFORT},
     "current_rmse": {"rmse|^mae$": EFFORT},
     "error_parts": {"^(error|missed|late_alarms|gain|friction)$": "N", "^drift": "N/min"},

@@ -219,9 +219,7 @@ def beside_sensor(
         contacts=[
             row
             for name, own in compared["compensated"].items()
-            for row in contact_errors(
-                name, own.wrench[:, :3], told(best)[:, :3], force, sensor.time
-            )
+            for row in contact_errors(name, own, told(best)[:, :3], force, sensor.time)
         ],
     )
 

@@ -3,6 +3,7 @@
 import pandas as pd
 
 from ur5lib.force.estimators import LEADING, UNGATED
+from ur5lib.judging.contacts import with_sharp_peaks
 from ur5lib.report.results import Results
 from ur5lib.report.views.forces import compared, leading
 
@@ -34,7 +35,7 @@ def split(results: Results) -> pd.DataFrame:
 
 def at_sensors(results: Results) -> pd.DataFrame:
     """Return the contacts at force sensors, with the leading estimate's errors, fate and cause."""
-    rows = leading(results.rows("contact_errors", component="norm"))
+    rows = with_sharp_peaks(leading(results.rows("contact_errors", component="norm")))
     return rows.assign(role=rows["recording"].map(results.roles()))
 
 
