@@ -35,6 +35,7 @@ OptionalLines = Mapping[
 ]  # values (N, 6), None without any, and style, by label
 StyledLines = dict[str, tuple[Array, str]]
 TimedTable = Signals | Accelerations | Forces | SensorWrenches
+MAY_HIDE = "a contact that may be hidden"
 ESTIMATE_STYLES = (
     "leading",
     "first",
@@ -112,6 +113,8 @@ def estimate_figure(
     """Draw the new estimates of a contact wrench, the band of the first, and the sensor; hidden:
     see Traces.
 
+    Where no contact is found, the band is that if nothing has touched since the arm came to rest,
+    and a thin line shows up to which force a contact could be hidden.
     moments: draw moments in place of forces and their magnitude. With a sensor, plain least squares
     in place of the gated estimate, for comparison with the others.
     """
@@ -128,12 +131,17 @@ def estimate_figure(
     band = None
     if (lead := next(iter(labels), None)) in forces.std:
         whole, half = forces.wrench[lead], NORMAL95 * forces.std[lead]
+        if forces.untouched is not None:
+            half = np.hstack([forces.untouched, half[:, 3:]])
         band = part(whole - half), part(whole + half)
         for edge in band:
             edge[:, 3:] = np.nan  # the magnitude has no such band
     shown = {
         label: (part(own) if own is not None else None, how) for label, (own, how) in lines.items()
     }
+    if forces.hidden is not None and not moments:
+        most = np.where(forces.hidden > 0, forces.hidden, np.nan)
+        shown[MAY_HIDE] = np.column_stack([most, np.full(len(most), np.nan)]), "pale"
     return draw_lines(forces, shown, panels, band=band, hidden=hidden, errors=False)
 
 
