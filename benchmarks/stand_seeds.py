@@ -95,7 +95,7 @@ def pushed_rows(friction: Friction, free: list[Taken], pushed: Taken) -> Iterato
     assert fmap is not None
     prior = ContactPrior.of(pushed.robot, None, ContactPlace())
     estimate = fmap.solve(pushed.kinematics.jacobian[fmap.rows], prior)
-    forces = Forces.of(pushed.motion, {"Fmap": estimate}, background=None)
+    forces = Forces.of(pushed.motion, {"Fmap": estimate}, None)
     true = pushed.truth.at(pushed.signals.time)
     touched = (true.wrench != 0).any(axis=1)
     for rows, when in ((touched | True, ""), (touched, "_in_contact")):
