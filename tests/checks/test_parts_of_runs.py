@@ -57,6 +57,12 @@ def test_files_without_one_clock_are_parts_where_motion_goes_on() -> None:
     assert noted(roles, a=part(0, 550), b=part(560, 1000, shift=-5.6)) == []
 
 
+@pytest.mark.parametrize(("start", "found"), [(1003.0, ["b"]), (1004.0, []), (997.0, [])])
+def test_stamps_from_zero_follow_by_their_file_s_start(start: float, found: list[str]) -> None:
+    first, second = part(0, 300, epoch=1000.0), part(300, 1000, shift=-3.0, epoch=start)
+    assert noted({"a": "fit", "b": "validate"}, a=first, b=second) == found
+
+
 def test_other_runs_are_no_parts() -> None:
     """Neither a repeated path nor one that stamps put elsewhere."""
     roles = {"a": "fit", "b": "validate"}
