@@ -11,6 +11,7 @@ from ur5lib.checks.channels import (
     check_robot,
     fast_between_samples,
     no_motion,
+    slow_samples,
     too_short,
     unmoved,
     untold_motion,
@@ -380,6 +381,25 @@ def test_twelve_samples_of_a_slow_log_tell_how_it_moves(
 ) -> None:
     q = 0.1 * (-1.0) ** (np.arange(count) // 2)[:, None]
     assert len([*untold_motion(q, np.zeros(count, int), period, [100.0])]) == told
+    still, later = np.zeros((40, 1)), np.repeat([0, 1], [40, count])
+    assert len([*untold_motion(np.vstack([still, q]), later, period, [100.0])]) == told
+
+
+@pytest.mark.parametrize(
+    ("period", "of_fit", "told"),
+    [
+        (0.03, None, []),
+        (0.033, None, [Found.SLOW_SAMPLES]),  # eight of 31 ms average into one at 2 Hz
+        (0.033, 0.0225, []),
+        (0.033, 0.0215, [Found.SLOWER_THAN_FIT]),  # by more than half
+    ],
+)
+def test_a_slow_recording_leaves_noise_where_a_faster_one_was_fitted(
+    period: float, of_fit: float | None, told: list[Found]
+) -> None:
+    q, whole = np.arange(50.0)[:, None] * 0.1, np.zeros(50, int)
+    assert [one.code for one in slow_samples(q, whole, period, 2.0, of_fit)] == told
+    assert slow_samples(0 * q, whole, period, 2.0, of_fit) == []
 
 
 def test_a_part_is_long_enough_with_one_sample_between_its_ends() -> None:

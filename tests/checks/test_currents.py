@@ -3,7 +3,9 @@
 import numpy as np
 from scipy.optimize import nnls
 
-from ur5lib.checks.currents import least_squares_left
+from ur5lib.checks.block_means import BlockMeans
+from ur5lib.checks.currents import _unexplained_squares, least_squares_left
+from ur5lib.robots.description import load_robot, robot_path
 
 
 def test_what_is_left_equals_that_of_scipy() -> None:
@@ -19,3 +21,17 @@ def test_what_is_left_equals_that_of_scipy() -> None:
         bound += sum((coefficients[:3] == 0).any() for coefficients, _ in found)
         np.testing.assert_allclose(least_squares_left(positive, free, values), expected, rtol=1e-9)
     assert bound > 60
+
+
+def test_a_current_is_explained_by_the_motion_that_its_target_follows() -> None:
+    """Of joint 1, the current (row) is that of joint 2's motion (column)."""
+    random = np.random.default_rng(0)
+    q, qd, qdd, target, noise = random.normal(size=(5, 300, 6))
+    current = target + 0.1 * noise
+    current[:, 0] = target[:, 1] + 0.1 * noise[:, 0]
+    currents = {"actual_current": current, "target_current": target}
+    means = BlockMeans(q, qd, qdd, None, currents)
+    left = _unexplained_squares(means, load_robot(robot_path("ur5")))
+    np.testing.assert_array_equal(left.argmin(axis=1), [1, 1, 2, 3, 4, 5])
+    assert left[0, 1] < 0.02
+    assert left[1, 0] > 0.5
