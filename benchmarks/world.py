@@ -234,7 +234,7 @@ def table(rows: pd.DataFrame) -> str:
     lines = []
     for name, own in rows.groupby("situation", sort=False):
         sums = own.select_dtypes("number").sum()
-        count = sums["samples"] or np.nan
+        count, known = (sums[name] or np.nan for name in ("samples", "known"))
         ours, plain, zero = (np.sqrt(sums[kind] / count) for kind in ("ours", "plain", "zero"))
         wide = own.groupby("recording")["wide"].mean()
         lines.append(
@@ -243,7 +243,7 @@ def table(rows: pd.DataFrame) -> str:
                 *(told(value, 1) for value in (ours, plain, zero)),
                 told(ours / plain, 2),
                 told(sums["inside"] / count, 2),
-                f"{told(sums['score'] / count, 0)} / {told(sums['whole'] / sums['known'], 0)}",
+                f"{told(sums['score'] / count, 0)} / {told(sums['whole'] / known, 0)}",
                 *(told(wide.get(kind, np.nan), 1) for kind in ("moving", "resting")),
                 f"{sums['found']:.0f} of {sums['contacts']:.0f}",
                 f"{own['false'].sum():.0f} in {own['minutes'].sum():.1f} min",
