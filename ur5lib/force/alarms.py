@@ -86,8 +86,8 @@ class Matched:
 
 class Alarms(NamedTuple):
     """The alarms of one estimate. evidence: (N,) log-odds, or size of the force [N], from which
-    they follow; raised: their spans; wrench, std: the estimate (N, 6); unsmoothed: the force of
-    which peaks are told (N, 3) [N].
+    they follow; raised: their spans; wrench, std: the estimate (N, 6); unsmoothed: the force
+    for peaks (N, 3) [N].
     """
 
     evidence: Array

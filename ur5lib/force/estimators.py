@@ -30,7 +30,7 @@ class Stated(NamedTuple):
 
     wrench and std, its standard deviation: (N, 6) [N, Nm], NaN where there is no estimate; std is
     None if the estimator states none; log_odds: (N,), of contact, None if it states no odds;
-    unsmoothed: (N, 3) [N], the force of which peaks are told, None if it is that of `wrench`.
+    unsmoothed: (N, 3) [N], the force for peaks, None if it is that of `wrench`.
     """
 
     wrench: Array
@@ -40,7 +40,7 @@ class Stated(NamedTuple):
 
     @property
     def sharp(self) -> Array:
-        """Return the force (N, 3) [N] of which peaks are told."""
+        """Return the force (N, 3) [N] for peaks."""
         return self.wrench[:, :3] if self.unsmoothed is None else self.unsmoothed
 
 

@@ -31,6 +31,7 @@ from ur5lib.force.gate import (
 from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.while_shut import while_shut
 from ur5lib.timeseries.arrays import Array, Labels, Mask
+from ur5lib.timeseries.kalman import Gaussians
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.sampling import interpolated, thinning
 from ur5lib.timeseries.segments import Span, inside_spans, spans, unbroken
@@ -193,29 +194,13 @@ def _thinned(
 def _estimate(observations: Observations) -> StretchEstimate:
     """Return the wrench of one part without a gap, at its thinned samples."""
     torque, period, noise = observations.torque, observations.period, observations.noise
-    model, prior = observations.model, observations.prior
+    model = observations.model
     # p(contact), the background b, and the spans of contacts
     probability, background = find_contacts(observations)
     contacts = contact_spans(probability, period)
     inside = inside_spans(contacts, len(torque))
     likely = np.where(inside, np.maximum(probability, MIN_PROBABILITY_INSIDE), probability)  # (n,)
-    # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
-    carried, share = observations.gears.contact_torque(torque - background.mean)
-    carried += noise.still * mean_stiction_torque(carried, model.breakaway, model.stiction)
-    hidden = np.where(noise.still, 1 - MEAN_STICTION**2, 1.0) * noise.hidden
-    slow = np.linalg.diagonal(background.covariance)
-    covariance = diagonal(share**2 * (noise.quick + slow + hidden))  # S
-    # F of each contact: F̂ᵐᵃᵖ, and least squares without a prior
-    if model.sensed:  # at the links: no gear takes part of a contact
-        prior = replace(prior, load_friction=0.0)
-    lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
-    map_estimate, least_squares = (ContactWrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
-    for span in contacts:
-        part = slice(*span)
-        samples = carried[part], observations.jacobian[part], covariance[part]
-        posterior_wrench = contact_wrench(*samples, observations.worth, lossy)
-        map_estimate.mean[part], map_estimate.variance[part] = posterior_wrench
-        least_squares.mean[part], least_squares.variance[part] = least_squares_wrench(*samples)
+    map_estimate, least_squares = _in_contacts(observations, contacts, background)
     shut = while_shut(observations, background.mean, probability, inside)
     std = np.hypot(
         std_in_contact(likely, map_estimate, model.doubt, shut.std),
@@ -237,6 +222,31 @@ def _estimate(observations: Observations) -> StretchEstimate:
         least_squares=least_squares.mean,
         least_squares_std=np.sqrt(least_squares.variance),
     )
+
+
+def _in_contacts(
+    observations: Observations, contacts: Iterable[Span], background: Gaussians
+) -> tuple[ContactWrench, ContactWrench]:
+    """Return F̂ᵐᵃᵖ of each contact, and least squares without a prior; zero outside contacts."""
+    torque, noise, model = observations.torque, observations.noise, observations.model
+    # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
+    carried, share = observations.gears.contact_torque(torque - background.mean)
+    carried += noise.still * mean_stiction_torque(carried, model.breakaway, model.stiction)
+    hidden = np.where(noise.still, 1 - MEAN_STICTION**2, 1.0) * noise.hidden
+    slow = np.linalg.diagonal(background.covariance)
+    covariance = diagonal(share**2 * (noise.quick + slow + hidden))  # S
+    prior = observations.prior
+    if model.sensed:  # at the links: no gear takes part of a contact
+        prior = replace(prior, load_friction=0.0)
+    lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
+    map_estimate, least_squares = (ContactWrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
+    for span in contacts:
+        part = slice(*span)
+        samples = carried[part], observations.jacobian[part], covariance[part]
+        posterior_wrench = contact_wrench(*samples, observations.worth, lossy)
+        map_estimate.mean[part], map_estimate.variance[part] = posterior_wrench
+        least_squares.mean[part], least_squares.variance[part] = least_squares_wrench(*samples)
+    return map_estimate, least_squares
 
 
 def _rest_samples(observations: Observations) -> float:

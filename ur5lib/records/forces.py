@@ -31,7 +31,7 @@ class Estimate(Protocol):
 
 
 class Leading(Protocol):
-    """What the leading estimate states besides, see `ur5lib.force.wrench_estimate`."""
+    """What the leading estimate also states, see `ur5lib.force.wrench_estimate`."""
 
     background: Array
     untouched: Array
