@@ -25,7 +25,7 @@ def unknown_unit(means: BlockMeans, arm: Robot) -> Finding:
 
 
 def _gains(means: BlockMeans, arm: Robot) -> str:
-    """Return in words what one unit of the efforts is, by gravity, beside the expected."""
+    """Return in words what one unit of the efforts is, by gravity, and what is expected."""
     enough = len(means.q) >= MIN_BLOCKS and means.has_efforts() and arm.tells_gravity()
     fit = torque_constants(means, arm) if enough else None
     if fit is None or not fit.ratio:

@@ -62,7 +62,7 @@ class GravityShown(NamedTuple):
 
     scores: log-likelihood of each unit; constants: Nm per unit of the file, by joint from 0; known:
     the maker's constants [Nm/A], empty for joints that sense their torque; own: log-likelihood with
-    one factor a joint; beside_motion: share of the squares beside friction and inertia; held:
+    one factor a joint; beside_motion: share of the squares without friction and inertia; held:
     log-likelihood with the arm's own constants, in the likeliest unit.
     """
 
@@ -107,7 +107,7 @@ class GravityShown(NamedTuple):
         return float(np.median(ratios)) if alike else None
 
     def in_words(self, unit: str = "") -> str:
-        """Return the joints' constants in words, beside the maker's but for Nm; "" for none."""
+        """Return the joints' constants in words, with the maker's but for Nm; "" for none."""
         if not self.constants:
             return ""
         joints = ", ".join(str(joint + 1) for joint in self.constants)
@@ -138,7 +138,7 @@ def shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) -> 
 class EffortFacts(NamedTuple):
     """What sources are asked about: an effort, the likeliest arm, and units that the user states.
 
-    block: in the file's numbers; arm: None where nothing tells one; is_known: whether it is the
+    block: in the file's numbers; arm: None where nothing states one; is_known: whether it is the
     file's; means: over blocks of time, with the effort `name`, None without a motion.
     """
 
@@ -182,7 +182,7 @@ def is_share(block: ColumnBlock) -> bool:
 
 
 def _name(facts: EffortFacts) -> Iterator[Row]:
-    """Yield what names tell: a share, a unit, a quantity; the message's convention; no name."""
+    """Yield what names state: a share, a unit, a quantity; the message's convention; none."""
     block, meaning = facts.block, facts.block.meaning() or ""
     spelled = named_unit(block.names[0]) or ""
     if is_share(block):
@@ -212,7 +212,7 @@ def _arm(facts: EffortFacts) -> Iterator[Row]:
 
 
 def _size(facts: EffortFacts) -> Iterator[Row]:
-    """Yield what the size tells: no current is above a bound, none in mA below another."""
+    """Yield what follows from the size: no current is above a bound, none in mA below another."""
     peak = float(np.nanmedian(np.abs(facts.block.rows).max(axis=1)))
     bound = CHANNELS[MEASURED_CURRENT].bound
     if peak > bound:  # counts are as large as mA, which constants, a unit or an option tell
@@ -268,7 +268,7 @@ def _bearing(shown: GravityShown) -> dict[str, float]:
 
 def _words_on(shown: GravityShown, likely: str) -> tuple[str, dict[str, object]]:
     """Return code and numbers of the words on gravity: the likeliest unit and the next; "" where
-    scores alone tell another than constants do.
+    scores alone say otherwise than constants do.
     """
     best, rival = sorted(shown.scores, key=lambda unit: -shown.scores[unit])[:2]
     units: dict[str, object] = {"unit": CANDIDATES[best], "rival": CANDIDATES[rival]}

@@ -125,7 +125,7 @@ def print_imported(imported: ImportedFiles, next_command: str, everything: bool 
 
 
 def _to_name_the_arm(study: Path) -> str:
-    """Return what comes next for a study with an arm that nothing tells, "" for another."""
+    """Return what comes next for a study with an arm that nothing states, "" for another."""
     lines = study.read_text(encoding="utf-8").splitlines()
     unnamed = [k for k, line in enumerate(lines, 1) if line.strip() == f"robot: {UNDESCRIBED_ARM}"]
     return f"{study} written; next, in line {unnamed[0]}: {NAME_IT}" if unnamed else ""

@@ -69,6 +69,11 @@ class Intake:
     quality: Quality
 
 
+FORCES_ALONE = (
+    "it has forces alone: moments are not measured, and only forces are compared with it"
+)
+
+
 def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     """Return the repaired data of a recording with findings; max_gap: [s].
 
@@ -87,8 +92,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     rows, files = len(raw.robot.table), {d: checksum(r.source) for d, r in raw.sensors.items()}
     cycle, source, start = raw.cycle, raw.robot.source, raw.robot.start
     del raw  # its channels are freed while they are repaired
-    unknown = recording.unknown_unit()
-    bounds = bounds_of(arm, unknown)
+    bounds = bounds_of(arm, unknown := recording.unknown_unit())
     robot, timing, repairs = repair_frames(frames, cycle, max_gap, source, bounds)
     robot = robot.assign(**{UNKNOWN_UNIT: True}) if unknown else robot
     findings += repairs + remarks
@@ -96,10 +100,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     robot = _on_one_zero(robot, placed, arm, findings)
     sensed = placed["force"][0].table if "force" in placed else robot
     if "ft_fx" in sensed and "ft_tx" not in sensed:
-        detail = (
-            "it has forces alone: moments are not measured, and only forces are compared with it"
-        )
-        add_finding(findings, "force", Found.NO_MOMENTS, "note", len(sensed), detail)
+        add_finding(findings, "force", Found.NO_MOMENTS, "note", len(sensed), FORCES_ALONE)
     quality = Quality(
         rows=rows,
         frames=len(robot),
