@@ -16,6 +16,7 @@ from ur5lib.importing.evidence import SOURCES, Row, decide
 from ur5lib.importing.written import imported_files
 from ur5lib.recordings.entries import ENTRY
 from ur5lib.recordings.intake import read_and_repair
+from ur5lib.records.codes import CauseCode
 from ur5lib.robots.description import Robot
 
 ROWS = (
@@ -24,7 +25,7 @@ ROWS = (
     Row("bounds", {"mA": -12.0}),
     Row("kind", {"mA": -1.0, "unknown": -8.0}),
 )
-WITHOUT_GRAVITY = Row("no gravity", {"neither": 8.0}, "no gravity", {"share": 0.97})
+WITHOUT_GRAVITY = Row("gravity absent", {"neither": 8.0}, "gravity absent", {"share": 0.97})
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +89,6 @@ def test_no_force_follows_from_an_unknown_unit(tmp_path: Path, made: Made, ur5: 
     entry = {key: one.entry[key] for key in ("format", "folder", "file", "columns", "units")}
     intake = read_and_repair(ENTRY.validate_python(entry), ur5, 0.1)
     (sign,) = stop_signs(Checked(intake.robot, ur5, None, None, fitted=True, cutoff=2.0))
-    assert (sign.code, sign.kind, sign.severity) == ("unknown unit", "", "stop")
+    assert (sign.cause, sign.kind, sign.severity) == (CauseCode.UNKNOWN_UNIT, "", "stop")
     assert "--unit actual_current=A" in sign.detail
     assert np.abs(intake.robot["actual_current_1"]).max() > 60

@@ -241,7 +241,9 @@ def _gravity(facts: EffortFacts) -> Iterator[Row]:
     best = bearing[likely]
     if none - shown.held > CLEAR_LEAD and shown.beside_motion < MAX_BESIDE_MOTION:
         share = {"share": 1 - shown.beside_motion}
-        yield Row("no gravity", dict.fromkeys((LESS_GRAVITY, NO_EFFORT), 8.0), "no gravity", share)
+        yield Row(
+            "gravity absent", dict.fromkeys((LESS_GRAVITY, NO_EFFORT), 8.0), "gravity absent", share
+        )
         return
     held = max(shown.held, shown.own if several else -np.inf)
     if held - none < CLEAR_LEAD:

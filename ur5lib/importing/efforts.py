@@ -311,7 +311,7 @@ def _read_as(facts: EffortFacts, verdict: Verdict, file: FileContents) -> str:
     told = f"in {CANDIDATES[verdict.candidate]}: {reason}"
     sure = verdict.confidence
     if verdict.candidate == LESS_GRAVITY:
-        by_motion = any(row.source == "no gravity" for row in verdict.speaking)
+        by_motion = any(row.source == "gravity absent" for row in verdict.speaking)
         sure = "check" if by_motion else sure  # gravity is absent, too, where something carries
         told += f"; {LESS_GRAVITY_REASON}"
     account.hold(sure, block, verdict.by, told)

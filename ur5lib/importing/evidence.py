@@ -30,7 +30,7 @@ SOURCES: Mapping[str, Source] = {
     "motion": Source(12.0, "numbers", "accelerations, a pose: one factor, or millimetres"),
     "kind": Source(9.0, "numbers", "how common it is, before anything is seen", telling=False),
     "constants": Source(12.0, "numbers", "several joints show the arm's constants, or others"),
-    "no gravity": Source(8.0, "numbers", "friction and inertia alone explain it"),
+    "gravity absent": Source(8.0, "numbers", "friction and inertia alone explain it"),
     "name": Source(7.0, "name", "the name of the quantity"),
     "arm": Source(6.0, "numbers", "what the arm measures, by its description", telling=False),
     "own links": Source(4.0, "numbers", "gravity by links that the user described", telling=False),
@@ -52,7 +52,7 @@ WORDS = {  # by code; numbers of the row in braces
     "constants shown": "{constants}, nearer than those of other units",
     "other constants": "no unit has these constants: {constants}",
     "one factor": "one factor for all joints, and no unit, has these constants: {constants}",
-    "no gravity": "less gravity, for motion alone explains {share:.0%} of it, and gravity no more",
+    "gravity absent": "less gravity, for motion alone explains {share:.0%} of it, gravity no more",
     "accelerations": "accelerations: {factor:.2g} times the slopes of the velocities",
     "pose": "a pose in {unit}: within {miss:.1f} mm of the flange of {arm}, or of a tool on it",
 }

@@ -12,7 +12,7 @@ from ur5lib.force.estimators import GATED, LEADING
 from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.judging.limits import GOOD_ALARM_RATE, UPPER_LIMIT
 from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
-from ur5lib.records.contacts import Fate, Kind
+from ur5lib.records.contacts import Fate, Kind, with_sharp_peaks
 from ur5lib.records.verdicts import FalseAlarms, Noticed, Reason, Verdict, reason_in
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -139,15 +139,6 @@ def at_every_sensor(study: StudyTables) -> pd.DataFrame:
     """Return the contacts at the sensors that reach 5 N, of all recordings."""
     rows = with_sharp_peaks(study.rows("contact_errors", estimate=LEADING, component="norm"))
     return rows[(rows["peak"] >= CONTACT_FORCE) & rows["fate"].notna()]
-
-
-def with_sharp_peaks(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return contacts at a sensor with the errors of the peaks before forces are averaged at rest,
-    where both are known.
-    """
-    sharp = rows["largest"].astype(float) - rows["peak"].astype(float)
-    known = sharp.notna() & rows["peak_error"].notna()
-    return rows.assign(peak_error=rows["peak_error"].where(~known, sharp))
 
 
 def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:

@@ -69,9 +69,7 @@ class Intake:
     quality: Quality
 
 
-FORCES_ALONE = (
-    "it has forces alone: moments are not measured, and only forces are compared with it"
-)
+FORCES_ALONE = "it has forces alone: moments are not measured, and only forces are compared with it"
 
 
 def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:

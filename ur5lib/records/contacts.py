@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Literal
 
+import pandas as pd
+
 from ur5lib.records.codes import Found
 from ur5lib.records.contact_place import PlaceRow
 from ur5lib.records.phrases import as_written, number
@@ -182,3 +184,12 @@ def _other_place(row: PlaceRow) -> Finding | None:
         f"assumed: state `contact_place: {{position_m: [{as_written(sensed, '.2f')}]}}`"
     )
     return Finding("force", Found.OTHER_CONTACT_PLACE, "warning", 1, detail)
+
+
+def with_sharp_peaks(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return contacts at a sensor with the errors of the peaks before forces are averaged at rest,
+    where both are known.
+    """
+    sharp = rows["largest"].astype(float) - rows["peak"].astype(float)
+    known = sharp.notna() & rows["peak_error"].notna()
+    return rows.assign(peak_error=rows["peak_error"].where(~known, sharp))

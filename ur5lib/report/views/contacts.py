@@ -3,7 +3,7 @@
 import pandas as pd
 
 from ur5lib.force.estimators import LEADING, UNGATED
-from ur5lib.judging.contacts import with_sharp_peaks
+from ur5lib.records.contacts import with_sharp_peaks
 from ur5lib.report.results import Results
 from ur5lib.report.views.forces import compared, leading
 
