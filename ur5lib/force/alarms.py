@@ -202,9 +202,13 @@ def largest_force(force: Array, std: Array) -> tuple[float, float]:
     if not np.isfinite(size).any():
         return float("nan"), float("nan")
     at = int(np.nanargmax(size))
-    # |u σ| of independent errors along the direction u of the force
-    along = np.linalg.norm(force[at] * std[at]) / max(size[at], MIN_FORCE)
-    return float(size[at]), float(NORMAL95 * along)
+    return float(size[at]), NORMAL95 * std_of_size(force[at], std[at])
+
+
+def std_of_size(force: Array, std: Array) -> float:
+    """Return the standard deviation [N] of the size of a force; force, std: (3,) [N]."""
+    # d|F| = F · dF / |F|
+    return float(np.linalg.norm(force * std)) / max(float(np.linalg.norm(force)), MIN_FORCE)
 
 
 def peak_of(span: Span, own: Alarms) -> int:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ur5lib.force.alarms import Alarm
+from ur5lib.force.alarms import Alarm, std_of_size
 from ur5lib.force.matching import match
 from ur5lib.records.contacts import WHOLE, Cause, Contact, ContactError, Fate, Kind
 from ur5lib.records.pushes import SPEEDS
@@ -102,9 +102,7 @@ def stretch(start: float, end: float) -> Span:
 
 def band_of(alarm: Alarm) -> float | None:
     """Return the half-width [N] of the 95 % interval of an alarm's |force|, None if unknown."""
-    size = float(np.linalg.norm(alarm.force))
-    # d|F| = F · dF / |F|
-    std = float(np.linalg.norm(alarm.force * alarm.force_std)) / size if size else float("nan")
+    std = std_of_size(alarm.force, alarm.force_std) if alarm.force.any() else float("nan")
     return NORMAL95 * std if np.isfinite(std) else None
 
 
