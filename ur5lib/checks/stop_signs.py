@@ -37,12 +37,7 @@ from ur5lib.records.codes import CauseCode
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.tables import channel
 
-CHECKED_COLUMNS = {
-    "time",
-    "segment",
-    "interpolated",
-    UNKNOWN_UNIT,
-}.union(  # columns, as far as recorded
+CHECKED_COLUMNS = {"time", "segment", "interpolated", UNKNOWN_UNIT}.union(  # as far as recorded
     columns("actual_TCP_pose"),
     *(columns(f"actual_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "torque")),
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),

@@ -48,9 +48,8 @@ MIN_BEARING_JOINTS = 2  # so many show a unit together
 MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
 # Up to this one, nothing else is as near; 1 % of the torque for which some motors are rated is 1.5.
 MAX_PROVEN_RATIO = 1.25
-DOUBTED = (
-    5.0  # nats by which a share is likelier beyond it, or a unit is that one joint contradicts
-)
+# By so many nats a share is likelier beyond it, and a unit less likely that one joint contradicts.
+DOUBTED = 5.0
 MAX_FACTOR_RATIO = 1.15  # of joints' factors that show one unit
 MAX_BESIDE_MOTION = 0.15  # of the squares of a torque less gravity; of others, 0.29 and more
 MAX_ALIKE_SLOPES, MIN_ALIKE = 1.6, 0.5  # of accelerations on slopes of velocities; correlation

@@ -196,9 +196,8 @@ def _bands(study: StudyTables, known: pd.DataFrame) -> Iterator[Verdict]:
     halves = {IN_MOTION: rows[moves], AT_REST: rows[~moves]}
     order = sorted(halves.items(), key=lambda half: half[1]["coverage95"].min())
     numbers = [(when, *number) for when, part in order if len(part) for number in _worth(part)]
-    for rank, (when, quantity, value, unit, row, reason) in enumerate(
-        numbers, start=2 if len(scored) else 1
-    ):
+    first = 2 if len(scored) else 1
+    for rank, (when, quantity, value, unit, row, reason) in enumerate(numbers, start=first):
         yield Verdict(
             question="bands",
             rank=rank,

@@ -77,6 +77,7 @@ class Forces(SegmentedTable):
         known = {name: one for name, one in estimates.items() if one is not None}
         odds = {name: one.log_odds for name, one in known.items()}
         leading = next((one for one in known.values() if one.log_odds is not None), None)
+        names = () if fmap is None else Leading.__annotations__
         return cls(
             time=motion.time,
             segment=motion.segment,
@@ -84,9 +85,7 @@ class Forces(SegmentedTable):
             std={name: one.std for name, one in known.items() if one.std is not None},
             log_odds={name: own for name, own in odds.items() if own is not None},
             if_untouched=None if leading is None else np.all(leading.wrench == 0, axis=1),
-            **{}
-            if fmap is None
-            else {name: getattr(fmap, name) for name in Leading.__annotations__},
+            **{name: getattr(fmap, name) for name in names},
         )
 
 
