@@ -6,12 +6,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from tests.corpus import made_up as thesis
 from tests.corpus import rtde, table
 from tests.damage import damaged_file
 from tests.entries import read_and_check
 from tests.fuzz import Attempt
-from tests.stored_files import WRITERS, made_up_channels, write
+from tests.stored_files import WRITERS, Made, made_up_channels, write
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
 from ur5lib.importing.parted_runs import runs_of
@@ -26,6 +28,7 @@ def damage_of(folder: Path) -> Damage:
     entries = [
         base.recording for base in (rtde(folder, "rtde", b","), table(folder), thesis(folder))
     ]
+    entries.append(npy_entry(folder, made))
     for kind in WRITERS:
         (folder / kind).mkdir()
         entries.append(write(kind, folder / kind, *made))
@@ -38,6 +41,15 @@ def damage_of(folder: Path) -> Damage:
         return entry | {"folder": str(copy)}
 
     return damaged
+
+
+def npy_entry(folder: Path, made: Made) -> dict[str, Any]:
+    """Write a NumPy file of positions and currents; return its entry."""
+    names = ["actual_q", "actual_current"]
+    (folder / "npy").mkdir()
+    np.save(folder / "npy" / "run.npy", np.column_stack([made[0], *(made[1][n] for n in names)]))
+    place = {"format": "table-csv", "folder": str(folder / "npy"), "file": "run.npy"}
+    return place | {"columns": ["time", *names]}
 
 
 def recordings(folder: Path) -> Attempt:

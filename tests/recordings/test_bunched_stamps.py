@@ -101,3 +101,14 @@ def test_rows_of_other_topics_have_no_positions() -> None:
 def test_a_time_in_another_unit_is_said() -> None:
     with pytest.raises(InputError, match="check that the time column is in seconds"):
         repaired(rows(TIME / 3600))
+
+
+def test_packets_that_overtake_each_other_are_of_one_rate() -> None:
+    """Some wait for 0.1 s, and arrive with those behind them."""
+    waits = 0.1 * (np.random.default_rng(2).random(COUNT) < 0.1)
+    received = np.maximum.accumulate(TIME[BURST] + waits[BURST]) + 1e-5 * PLACE
+    assert (np.diff(received) < 0).any()
+    table, period, findings = repaired(rows(received))
+    assert period == STEP
+    assert abs(len(table) - COUNT) < 0.01 * COUNT
+    assert Found.BUNCHED_STAMPS in findings

@@ -8,6 +8,7 @@ import pytest
 
 from tests.conftest import said
 from ur5lib.errors import InputError
+from ur5lib.recordings.intake import bounds_of
 from ur5lib.recordings.ordering import epochs, in_order
 from ur5lib.recordings.plausibility import (
     check_pace,
@@ -18,6 +19,7 @@ from ur5lib.recordings.plausibility import (
 )
 from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
+from ur5lib.robots.description import Robot
 
 POSSIBLE = {  # what a channel may hold, and what it may not [SI]
     "actual_q_0": (12.5, 13.0),
@@ -62,6 +64,29 @@ def test_a_joint_without_limits_may_be_anywhere() -> None:
         len(drop_implausible(table, "run.csv", "robot", findings, {"actual_q_0": math.inf})) == 100
     )
     assert not findings
+
+
+@pytest.mark.parametrize("factor", [1.0, 30.0])
+def test_a_strong_arm_may_have_large_targets(ur5: Robot, factor: float) -> None:
+    """Beyond a UR's 1000 Nm, twice what its motors can is the limit."""
+    motors = {
+        name: own.model_copy(update={"torque_max": factor * own.torque_max})
+        for name, own in ur5.motors.items()
+    }
+    most = bounds_of(ur5.model_copy(update={"motors": motors}))
+    strongest = max(own.torque_max for own in motors.values())
+    assert most["target_moment_0"] == max(2 * strongest, 1000.0)
+    assert most["target_qdd_0"] >= 200.0
+    current = 2 * ur5.torque_limits()[1] / ur5.maker_torque_constants()[1]
+    assert most["target_current_1"] == pytest.approx(max(factor * current, 60.0))
+    assert "actual_current_1" not in most
+
+
+def test_target_currents_have_no_bound_without_a_torque_constant(ur5: Robot) -> None:
+    motors = {
+        name: own.model_copy(update={"torque_constant": None}) for name, own in ur5.motors.items()
+    }
+    assert bounds_of(ur5.model_copy(update={"motors": motors}))["target_current_0"] == math.inf
 
 
 @pytest.mark.parametrize(("count", "refused"), [(5, False), (6, True)])

@@ -16,6 +16,7 @@ import pyarrow.parquet as pq
 import scipy  # loads scipy.io at its first use
 
 from ur5lib.errors import InputError
+from ur5lib.recordings.echo_start import ECHOED, is_echoed
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
 from ur5lib.recordings.unpacked import expect_mat_room, feather_numbers, parquet_numbers
 from ur5lib.records.codes import Found
@@ -182,7 +183,11 @@ def _column(column: pa.ChunkedArray) -> np.ndarray:
 
 
 def format_of(path: Path) -> str | None:
-    """Return the format of a file by its ending, None for an unknown one. A folder is a bag."""
+    """Return the format of a file by its ending, or of text by its beginning, None for an unknown
+    one. A folder is a bag.
+    """
+    if is_echoed(path):
+        return ECHOED
     return "rosbag" if path.is_dir() else ENDINGS.get(path.suffix.lower())
 
 
@@ -213,9 +218,11 @@ def hdf5_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findi
             expect_inside(file, name, path)
         found = {name: one for name in paths if (one := _numbers(file, name)) is not None}
         if wanted is None:
-            sized = {name for name in names if getattr(file.get(name), "shape", ())}
+            shapes = {name: getattr(file.get(name), "shape", ()) for name in names}
+            others = {n: own for n, own in shapes.items() if own and n not in found}
+            listed = (f"{n} ({' × '.join(f'{k:,}' for k in own)})" for n, own in others.items())
             shape = "it holds text, or more dimensions than rows and columns"
-            report_unread(path, sized - {*found}, shape, findings)
+            report_unread(path, listed, shape, findings)
         for array in found.values():
             expect_own_numbers(array, path)
         expect_room(path, sum(array.size for array in found.values()))
@@ -242,15 +249,39 @@ def mat_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
     if head[512:] == HDF5_SIGNATURE or head.startswith(HDF5_SIGNATURE):
         return hdf5_arrays(path, wanted, findings)
     expect_mat_room(path)
-    return dict(_leaves(scipy.io.loadmat(path, simplify_cells=True)))
+    whole = scipy.io.loadmat(path, simplify_cells=True)
+    return _numeric_leaves(path, whole, wanted, findings)
 
 
-def _leaves(part: dict[str, Any], above: str = "") -> Iterator[tuple[str, np.ndarray]]:
+def _numeric_leaves(
+    path: Path, whole: dict[str, Any], wanted: Collection[str] | None, findings: list[Finding]
+) -> Arrays:
+    """Return the arrays of numbers by name; the others are reported if all are wanted."""
+    leaves = dict(_leaves(whole))
+    arrays = {name: own for name, own in leaves.items() if _has_rows(own)}
+    others = (f"{n} ({_size(leaves[n])})" for n in leaves if n not in arrays)
+    if wanted is None:
+        report_unread(path, others, "no numbers in rows and columns", findings)
+    return arrays
+
+
+def _leaves(part: dict[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield what is in structures, by `structure/field`, without what describes the file."""
     for name, value in part.items():
         if isinstance(value, dict):
             yield from _leaves(value, f"{above}{name}/")
-        elif isinstance(value, np.ndarray) and value.dtype.kind in "iuf" and value.ndim in (1, 2):
+        elif not (name.startswith("__") and name.endswith("__")):  # as __header__, not __time
             yield above + name, value
+
+
+def _has_rows(value: Any) -> bool:
+    numbers = isinstance(value, np.ndarray) and value.dtype.kind in "iuf"
+    return numbers and value.ndim in (1, 2)
+
+
+def _size(value: Any) -> str:
+    """Return the size of an array in words, as 350 × 480 × 640; 1 of a single value."""
+    return " × ".join(f"{n:,}" for n in np.shape(value)) or "1"
 
 
 @array_format("npz", "a NumPy archive", ".npz")
@@ -262,7 +293,8 @@ def npz_arrays(path: Path, wanted: Collection[str] | None, findings: list[Findin
         stored = [name if name in files else f"{name}.npy" for name in names]
         sizes = [archive.zip.getinfo(name).file_size for name in stored]
         expect_room(path, sum(sizes) / BYTES_PER_NUMBER)
-        return dict(_leaves({name: _plain(archive, name) for name in names}))
+        whole = {name: _plain(archive, name) for name in names}
+    return _numeric_leaves(path, whole, wanted, findings)
 
 
 def _plain(archive: Any, name: str) -> np.ndarray | None:

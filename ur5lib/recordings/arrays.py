@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-import ur5lib.recordings.own_formats  # noqa: F401 - registers its format
+import ur5lib.recordings.echoed
+import ur5lib.recordings.own_formats  # noqa: F401 - both register their format
 from ur5lib.channels import JOINT_CHANNELS, MOST_JOINTS, joint_count
 from ur5lib.channels import suffixes as suffixes_of
 from ur5lib.errors import InputError

@@ -9,6 +9,7 @@ import pandas as pd
 
 from ur5lib.channels import JOINT_COLUMNS
 from ur5lib.recordings.host_clock import MIN_STAMPS, least_delayed
+from ur5lib.recordings.ordering import epochs
 from ur5lib.recordings.plausibility import MIN_STEP
 from ur5lib.records.codes import Found
 from ur5lib.records.phrases import number
@@ -19,6 +20,7 @@ MIN_SHARE_CLOSE = 0.3  # of steps that are shorter than any log's; pairs of rows
 MAX_CLOSE_STEP = 1.1 * MIN_STEP  # s, and what stamps are rounded by
 MIN_MEAN_STEP = 5.0  # times the usual step of bunched rows
 MIN_SHARE_NEW = 0.1  # of close rows with new data; a recorder that polls repeats the others
+MAX_SHARE_BACK = 0.1  # of steps, on which a stamp is older than that of the row before
 MIN_PAUSE = 1.5  # times the time that the larger of the bunches before and after it takes
 
 
@@ -48,7 +50,7 @@ def close_rows(time: Array) -> Mask:
     """Return which steps (N - 1,) of stamps (N,) [s] are far shorter than a row takes; none if
     these are few.
     """
-    steps = np.diff(time)
+    steps = np.diff(_forward(time))
     return steps < _far_step(steps) if _are_bunched(steps) else np.zeros(len(steps), bool)
 
 
@@ -56,8 +58,21 @@ def even_times(time: Array, close: Mask) -> Array:
     """Return stamps (N,) [s] at equal steps between pauses; close: which steps (N - 1,) are in a
     bunch.
     """
+    time = _forward(time)
     bunch = np.cumsum(np.append(False, ~close))
     return _on_lines(time, _stretches(time, bunch)[bunch])
+
+
+def _forward(time: Array) -> Array:
+    """Return stamps (N,) [s] that never go back, as of rows in the order of their receipt: a packet
+    that was late has the stamp of the one that overtook it. Unchanged if a clock was reset, or if
+    many stamps go back, or few follow at once: then rows are in another order.
+    """
+    steps = np.diff(time)
+    if not len(steps) or np.mean(steps < 0) > MAX_SHARE_BACK or epochs(time)[-1] > 0:
+        return time
+    at_once = (steps >= 0) & (steps < min(MAX_CLOSE_STEP, _far_step(steps)))
+    return np.maximum.accumulate(time) if at_once.mean() >= MIN_SHARE_CLOSE else time
 
 
 def _are_bunched(steps: Array) -> bool:

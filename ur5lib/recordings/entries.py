@@ -185,6 +185,14 @@ class Sensor(DeviceTable):
         "epoch_s",
         description="unit of the time in `start_file`: seconds since 1970, milliseconds of the day",
     )
+    offset_s: float | None = Field(
+        None,
+        description="time from the robot's first frame to the sensor's first sample [s], where "
+        "their clocks have nothing in common; `ur5 import` finds it by efforts and forces",
+    )
+    drift_ppm: float = Field(
+        0.0, description="by which the robot's clock is faster than the sensor's, with `offset_s`"
+    )
 
 
 class SensorMounting(Strict):
@@ -396,8 +404,8 @@ class ArrayFiles(RobotRows, StoredTable, Files):
 class StoredFiles(ArrayFiles):
     """Arrays in one file."""
 
-    format: Literal["hdf5", "mat", "npz", "rosbag", "parquet", "feather", "own"] = Field(
-        description="format of the files"
+    format: Literal["hdf5", "mat", "npz", "rosbag", "ros-echo", "parquet", "feather", "own"] = (
+        Field(description="format of the files")
     )
     file: RunFile
 

@@ -31,6 +31,7 @@ from ur5lib.recordings.formats import read_recording
 from ur5lib.recordings.frames import no_positions, repair_frames
 from ur5lib.recordings.frozen import frozen_end
 from ur5lib.recordings.held_samples import fresh_samples
+from ur5lib.recordings.less_gravity import with_gravity
 from ur5lib.recordings.plausibility import drop_unwritten
 from ur5lib.recordings.recording import DeviceRecord, RawRecording
 from ur5lib.recordings.sensors import FORCE_CHANNELS, FORCES, on_robot_clock, repair_samples
@@ -40,14 +41,13 @@ from ur5lib.recordings.zeroings import on_one_zero
 from ur5lib.records.codes import Found
 from ur5lib.records.phrases import as_written
 from ur5lib.records.quality import Device, Finding, Log, Quality, StartOffset, add_finding
-from ur5lib.robots.description import Robot
-from ur5lib.robots.statics import gravity_torque, link_frames
+from ur5lib.robots.description import Payload, Robot
+from ur5lib.robots.statics import link_frames
 from ur5lib.tables import channel, checksum, has_unit, named
 from ur5lib.timeseries.arrays import Array
 
 RAW_WRENCH, TCP_FORCE = "ft_raw_wrench", "actual_TCP_force"
 MOTOR_TORQUE = "actual_current_as_torque"
-TORQUE_LESS_GRAVITY = "actual_torque_less_gravity"
 NAMES_OF_TORQUES = (SENSED_TORQUE, MOTOR_TORQUE, MEASURED_CURRENT)  # of arms that measure them
 TIMES_POSSIBLE = 2.0  # times what a joint can reach; beyond it, a value is no joint's
 
@@ -80,7 +80,8 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     raw = read_recording(recording)
     whole, wrapped = without_wraps(raw.robot.table)
     raw = replace(raw, robot=replace(raw.robot, table=whole))
-    frames, findings = known_frames(raw, counted_as(recording, arm))
+    declared: Payload | None = getattr(recording, "known_payload", lambda: None)()
+    frames, findings = known_frames(raw, counted_as(recording, arm), declared)
     raw, frames = with_slow_sensor(raw, frames, findings)
     findings += [*_no_velocities(frames), *raw.findings, *wrapped]
     contents = fingerprint(frames)
@@ -124,9 +125,11 @@ def _no_velocities(frames: pd.DataFrame) -> Iterator[Finding]:
         yield Finding("robot", Found.NO_VELOCITIES, "note", len(frames), detail)
 
 
-def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Finding]]:
+def known_frames(
+    raw: RawRecording, arm: Robot, payload: Payload | None = None
+) -> tuple[pd.DataFrame, list[Finding]]:
     """Return the robot's rows with the recognised channels, efforts and positions converted to the
-    arm's joints; and findings.
+    arm's joints; and findings. payload: as the study declares it.
 
     Raises InputError if they lack positions of the arm's joints.
     """
@@ -136,7 +139,7 @@ def known_frames(raw: RawRecording, arm: Robot) -> tuple[pd.DataFrame, list[Find
     frames, findings = _known_channels(written.table, "force" in raw.sensors)
     findings += unwritten
     frames = _with_torques_named(frames, arm, findings)
-    return with_efforts(at_the_joints(frames, arm), arm, findings), findings
+    return with_efforts(at_the_joints(frames, arm), arm, findings, payload), findings
 
 
 def _on_one_zero(
@@ -174,13 +177,18 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
 def bounds_of(arm: Robot, unknown: bool = False) -> dict[str, float]:
     """Return, by column, the magnitude from which on a value is impossible for an arm.
 
-    Positions and speeds have a UR's bounds, or twice the arm's own limits if these are larger.
-    Measured torques of other arms have none, nor have efforts in an unknown unit.
+    All but measured efforts have a UR's bounds, or twice the arm's own limits if these are larger.
+    Measured torques of other arms have none, nor have efforts in an unknown unit, and target
+    currents of motors without a documented torque constant.
     """
     farthest = [TIMES_POSSIBLE * max(map(abs, ends)) for ends in arm.position_limits()]
     fastest = [TIMES_POSSIBLE * speed for speed in arm.velocity_limits()]
     limits = {f"{kind}_q": farthest for kind in ("actual", "target")}
     limits |= {f"{kind}_qd": fastest for kind in ("actual", "target")}
+    limits["target_qdd"] = [TIMES_POSSIBLE * rate for rate in arm.acceleration_limits()]
+    limits["target_moment"] = [TIMES_POSSIBLE * torque for torque in arm.torque_limits()]
+    known = zip(limits["target_moment"], arm.maker_torque_constants(), strict=True)
+    limits["target_current"] = [math.inf if math.isnan(k) else torque / k for torque, k in known]
     if arm.measured == TORQUE or unknown:
         limits[arm.measured.channel] = [math.inf] * len(arm.joints)
     return {
@@ -310,19 +318,17 @@ def _with_torques_named(table: pd.DataFrame, arm: Robot, findings: list[Finding]
     return table.drop(columns=[own for own in others if own in table]).rename(columns=renamed)
 
 
-def with_efforts(table: pd.DataFrame, arm: Robot, findings: list[Finding]) -> pd.DataFrame:
+def with_efforts(
+    table: pd.DataFrame, arm: Robot, findings: list[Finding], payload: Payload | None = None
+) -> pd.DataFrame:
     """Return a table with the efforts that its arm measures: torques [Nm], or currents [A].
 
-    To torques less gravity, the arm's gravity is added. Torques of an arm with measured currents
-    are divided by the torque constants of its joints. A fit of friction finds the constants anew,
-    so that their errors cancel where currents become torques again.
+    To torques less gravity, that of arm and payload is added. Torques of an arm with measured
+    currents are divided by the torque constants of its joints. A fit of friction finds the
+    constants anew, so that their errors cancel where currents become torques again.
     """
     whole = SENSED_TORQUE if arm.measured == TORQUE else MOTOR_TORQUE
-    if f"{TORQUE_LESS_GRAVITY}_0" in table and f"{whole}_0" not in table:
-        gravity = gravity_torque(arm, arm.chosen_model, channel(table, "actual_q"))
-        table = table.assign(**named(channel(table, TORQUE_LESS_GRAVITY) + gravity, whole))
-        detail = f"actual_torque_less_gravity: the gravity torque of {arm.name} is added again"
-        add_finding(findings, "robot", Found.GRAVITY_ADDED, "note", len(table), detail)
+    table = with_gravity(table, whole, arm, payload, findings)
     return table if arm.measured == TORQUE else _with_currents(table, arm, findings)
 
 

@@ -12,11 +12,11 @@ import pandas as pd
 from mcap.reader import make_reader
 
 from ur5lib.recordings.limits import BYTES_PER_NUMBER, expect_room
+from ur5lib.recordings.messages import JOINT_FIELDS
 from ur5lib.timeseries.arrays import Array
 
 MCAP_ENDING = ".mcap"
 JSON_STATES = ("foxglove.JointStates", "sensor_msgs/msg/JointState", "sensor_msgs/JointState")
-JOINT_FIELDS = ("position", "velocity", "effort")
 
 
 def is_json(path: Path) -> bool:
@@ -59,7 +59,7 @@ def joint_state(content: Mapping[str, Any], received: float) -> Any:
         names = [*map(str, content.get("name") or [])]
         fields = {field: content.get(field) or [] for field in JOINT_FIELDS}
     stamp = content.get("timestamp") or content.get("header", {}).get("stamp")
-    header = SimpleNamespace(stamp=_stamp(stamp, received))
+    header = SimpleNamespace(stamp=stamp_of(stamp, received))
     return SimpleNamespace(header=header, name=names, **{n: _row(v) for n, v in fields.items()})
 
 
@@ -69,7 +69,7 @@ def _row(values: list[float | None]) -> Array:
     return np.array(values if known else [], float)
 
 
-def _stamp(stamp: Any, received: float) -> Any:
+def stamp_of(stamp: Any, received: float) -> Any:
     """Return a stamp with `sec` and `nanosec`; without one, that of the receipt."""
     if not isinstance(stamp, dict):
         return SimpleNamespace(sec=received, nanosec=0)
@@ -94,4 +94,4 @@ def are_numbers(content: Any) -> bool:
 
 def is_wanted(topic: str, wanted: Collection[str] | None) -> bool:
     """Return whether any wanted name is of a topic; wanted: None for all names."""
-    return wanted is None or any(name.startswith(f"{topic}/") for name in wanted)
+    return wanted is None or any(f"{name}/".startswith(f"{topic}/") for name in wanted)

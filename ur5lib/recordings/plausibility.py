@@ -3,7 +3,7 @@
 import math
 import re
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -27,7 +27,8 @@ MIN_LEAP = 5.0  # times the largest usual step; a value that falls to zero by mo
 USUAL_QUANTILE = 0.99  # quantile of a column's steps that is still usual
 # Channels that are never zero for long while other joints' are not.
 NOISY_COLUMNS = "actual_current_"
-LIKELY_UNITS = {"rad": "is it in degrees? ", "A": "is it in mA? "}  # by the start of a unit
+LIKELY_UNITS = {"rad": "deg", "rad/s": "deg/s", "A": "mA"}  # by the unit that is exceeded
+NAMES_OF_UNITS = {"deg": "degrees", "deg/s": "degrees"}
 ROUNDED_SPEED = 0.1  # rad/s; drivers round smaller velocities to zero
 MIN_DEAD_ROWS = 5  # of zeros of some joints' currents, which were not received
 MIN_POWERLESS_ROWS = 50  # of zeros of all currents, of an arm without power
@@ -81,14 +82,26 @@ def _beyond(frames: pd.DataFrame, bounds: Mapping[str, float], source: str) -> M
     if beyond.mean() > MAX_SHARE_IMPOSSIBLE:
         channel = max(too_large, key=lambda name: too_large[name].sum())
         middle = np.median(size[channel][too_large[channel]])
+        exceeding = [name for name, rows in too_large.items() if rows.mean() > MAX_SHARE_IMPOSSIBLE]
         raise InputError(
             f"{source}: {channel} exceeds {bounds[channel]:.4g} {unit(channel)} in "
             f"{beyond.mean():.0%} of the rows (median there {middle:.4g}); "
-            f"{LIKELY_UNITS.get(unit(channel)[:3], '')}"
+            f"{_likely_units([channel, *exceeding])}"
             "correct the file, the column or unit that the study gives it (docs/recordings.md), or "
             "the arm's limits (docs/robots.md)"
         )
     return beyond
+
+
+def _likely_units(exceeding: Sequence[str]) -> str:
+    """Return in words in which units columns may be, the first one above all, and what says so."""
+    units = {name.rpartition("_")[0]: LIKELY_UNITS.get(unit(name)) for name in exceeding}
+    likely = {channel: one for channel, one in units.items() if one}
+    first = next(iter(units.values()))
+    if first is None:
+        return ""
+    given = ", ".join(f"{channel}: {one}" for channel, one in likely.items())
+    return f"is it in {NAMES_OF_UNITS.get(first, first)}? Then give it `units: {{{given}}}`; else, "
 
 
 def check_pace(time: Array, source: str, shortest: float = MIN_STEP) -> None:

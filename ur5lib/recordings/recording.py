@@ -15,20 +15,22 @@ class Stamp:
     """The time at which a device's clock read zero.
 
     seconds: that time; since: what it counts from: the epoch, midnight UTC, the start of the
-    recording, or the zero of the robot's host; std: its standard uncertainty [s]; drift_std:
-    standard uncertainty of the clock's rate relative to the robot's, None if unknown, 0 of the
-    robot's own clock.
+    recording, the zero of the robot's host, or the robot's first frame; std: its standard
+    uncertainty [s]; drift_std: standard uncertainty of the clock's rate relative to the robot's,
+    None if unknown, 0 of the robot's own clock.
     """
 
     seconds: float
     std: float
-    since: Literal["epoch_s", "day_ms", "relative_s", "host_s"]
+    since: Literal["epoch_s", "day_ms", "relative_s", "host_s", "first_frame"]
     drift_std: float | None = None
 
     def after(self, other: "Stamp") -> float | None:
         """Return by how much this stamp is later than another [s]; None if they count from
         different zeros.
         """
+        if self.since == "first_frame":
+            return self.seconds
         apart = self.seconds - other.seconds
         kinds = {self.since, other.since}
         if kinds == {"epoch_s", "day_ms"} or kinds == {"day_ms"}:

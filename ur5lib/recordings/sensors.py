@@ -30,6 +30,7 @@ UNCONNECTED_READING = 1e-6  # N, Nm; largest value that an unconnected force sen
 GAP_STEPS, LONG_GAP_STEPS = 2.5, 4.0
 MAX_STAMP_LENGTH = 1000  # a file with a stamp has at most this many characters
 MAX_SHARE_LOST = 0.01  # share of samples; fewer lost or stale ones are ordinary jitter
+MATCHED_STD, MATCHED_DRIFT_STD = 0.01, 2e-4  # s, and share, of clocks matched by forces
 STAMP_STD = 0.05  # s, uncertainty of a start stamp of unknown origin
 
 
@@ -246,6 +247,11 @@ def read_sensor(
     if samples is None:
         return None
     counted = counted_from_first(samples.table, samples.first, sensor, path)
+    if sensor.offset_s is not None:
+        later = (1 + 1e-6 * sensor.drift_ppm) * counted.table["time"]
+        matched = Stamp(0.0, MATCHED_STD, "first_frame", MATCHED_DRIFT_STD)
+        table = counted.table.assign(time=sensor.offset_s + later)
+        return DeviceRecord(table, matched, str(path))
     if sensor.start_file is None:
         return counted
     began = Log(folder / sensor.start_file, device, findings)

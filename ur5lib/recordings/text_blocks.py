@@ -9,7 +9,8 @@ from typing import BinaryIO
 
 from ur5lib.errors import InputError
 from ur5lib.recordings.limits import Unpacking, longest_line, too_large
-from ur5lib.recordings.listed_cells import with_lists_apart
+from ur5lib.recordings.listed_cells import with_lists_apart, with_one_mark
+from ur5lib.recordings.npy_rows import SIGNATURE, npy_lines
 from ur5lib.records.codes import Found
 from ur5lib.records.quality import Log
 from ur5lib.strict import expect_file
@@ -50,7 +51,11 @@ def text_blocks(log: Log) -> Iterator[bytes]:
 
 def _blocks(log: Log) -> Iterator[bytes]:
     with log.path.open("rb") as plain:
-        packed = plain.read(2) == GZIP_SIGNATURE
+        head = plain.read(len(SIGNATURE))
+    if head == SIGNATURE:
+        yield from npy_lines(log.path)
+        return
+    packed = head.startswith(GZIP_SIGNATURE)
     log.add(Found.COMPRESSED_FILE, "note", packed, "decompressed")
     with gzip.open(log.path) if packed else log.path.open("rb") as stream:
         block = _lines(stream, log.path)
@@ -89,7 +94,7 @@ def _plain(block: bytes) -> bytes:
     # rows may group numbers in brackets, as NIST's files do
     first = block.partition(b"\n")[0]
     grouped = b"[" in first and not LETTERS.search(first)
-    block = with_lists_apart(block)
+    block = with_one_mark(with_lists_apart(block))
     if b'"' in block:
         block = _unquoted(block)
     return block.translate(None, BRACKETS) if grouped else block
