@@ -25,7 +25,7 @@ from ur5lib.workspace.beside import entry_points
 
 MARKDOWN = MarkdownIt("commonmark").enable("table")
 COMMANDS = ("make", "snakemake", "ur5", "python", "git", "pip", "docker")
-COMMANDS += ("cp", "rm", "sbatch", "cd", ".")
+COMMANDS += ("cp", "rm", "sbatch", "cd", "source", "ros2", ".")
 INLINE = re.compile(rf"(?:\.venv/bin/)?(?:{'|'.join(COMMANDS[:-1])})(?= )")
 FIRST = {  # what the first line of a block begins with
     "python": re.compile(r"(?:import|from|def|class|>>>) "),
@@ -143,6 +143,9 @@ def check_command(line: str) -> None:
             script = PROJECT / (words[1].replace(".", "/") + ".py")
             text = script.read_text() + (PROJECT / "benchmarks/harness/options.py").read_text()
             assert all(f'"{word}"' in text for word in words if word.startswith("--")), words
+        case "ros2":
+            known_file = words[0] == "launch" and Path(words[1]).name == "ur5_force.launch.py"
+            assert known_file or words == ["topic", "echo"], words
         case "cp" | "rm":  # what no run makes is there
             named = [word for word in words if not word.startswith(("-", "results/", ".venv"))]
             assert all((PROJECT / word).exists() for word in named), named

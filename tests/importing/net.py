@@ -20,11 +20,12 @@ import numpy as np
 import pandas as pd
 
 from tests.conftest import PROJECT
-from tests.importing.test_import_random_forms import outcome
+from tests.importing.test_import_random_forms import ends_a_doubt, outcome
 from ur5lib.commands.described import describe_urdf
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement
 from ur5lib.importing.files import import_files
+from ur5lib.importing.identity import UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import runs_of
 from ur5lib.records.account import NOTHING
 from ur5lib.robots.description import load_robot, robot_path
@@ -135,8 +136,8 @@ def _forms(
             table = pd.DataFrame(np.column_stack([stamps, q, qd, rows]), columns=["time", *names])
             table.to_csv(path, index=False, header=bool(name))
             told = f"{name}_0 … {name}_5" if name else "column 14 … column 19"
-            for stated in ("ur10e", ""):  # currents times a factor may be those of another arm
-                known = {told: truth} if stated or kind != "one factor" else {}
+            for stated in ("ur10e", ""):
+                known = {told: truth, "robot": arm.name}
                 yield Import(f"made/{path.name}", UserStatement(stated), path, known)
 
 
@@ -171,7 +172,8 @@ def cells_of(one: Import) -> Iterator[dict[str, str]]:
     for row in imported[0].account:
         taken = re.sub(r"\d+\.\d{3,}", lambda it: f"{float(it[0]):.3g}", row.taken_for)
         for block in row.subject.split(", ") if taken == NOTHING else [row.subject]:
-            cells = {"block": block, "taken_for": taken, "sure": row.confidence}
+            sure = row.confidence if ends_a_doubt(row) else "check without an end"
+            cells = {"block": block, "taken_for": taken, "sure": sure}
             if row.confidence != "evidence":
                 yield head | cells | {"truth": one.truth.get(block, "")}
 
@@ -233,6 +235,8 @@ def state(taken_for: str, sure: str, truth: str) -> str:
         return "right"
     if UNKNOWN in taken_for:
         return "kept in an unknown unit"
+    if taken_for == UNDESCRIBED_ARM:
+        return "arm not named"
     if taken_for == NOTHING:
         return "left out"
     return "wrong, to be checked" if sure == "check" else f"wrong, {sure}"

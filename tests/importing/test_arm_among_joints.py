@@ -164,7 +164,7 @@ def test_numbers_in_json_are_columns(tmp_path: Path) -> None:
 def test_a_fault_of_ours_is_no_damage_of_the_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("ur5lib.recordings.rosbag.rows_of", lambda *_: [][0])
+    monkeypatch.setattr("ur5lib.recordings.messages.rows_of", lambda *_: [][0])
     monkeypatch.setattr("ur5lib.recordings.array_files.OWN_CODE", Path(__file__).parent)
     with pytest.raises(InputError) as refused:
         LOADERS["rosbag"](write_messages(tmp_path / "run", [(UR, 6, 6, 6)]), None, [])

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.command import Command
 from tests.entries import in_words, read_recording
 from tests.stored_files import JOINTS, Made, made_up_channels
 from ur5lib.importing.contents import UserStatement
@@ -127,3 +128,23 @@ def test_an_arm_s_state_counts_before_what_is_computed(
     channels = one.entry["channels"]
     assert channels["actual_q"] == "joint_states/position"
     assert channels["actual_qd"] == "joint_states/velocity"
+
+
+def test_what_import_writes_of_two_arms_in_one_file_is_checked(
+    made: Made, tmp_path: Path, run_ur5: Command
+) -> None:
+    """Each entry has positions of its own, so that no frame counts twice."""
+    table = {"time": made[0]}
+    for arm, shift in (("left", 0), ("right", 700)):
+        own = (np.roll(made[1][name], shift, axis=0) for name in ("actual_q", "actual_qd"))
+        table |= columns("{n}_{kind}", [f"{arm}_{name}" for name in UR], *own)
+    pd.DataFrame(table).to_csv(tmp_path / "run.csv", index=False)
+    study = tmp_path / "study.yaml"
+    assert run_ur5("import", tmp_path / "run.csv", "-o", study).status == 0
+    assert "`my_arm` stands for an arm" in run_ur5("check", study).line
+    text = study.read_text().replace("my_arm", "ur5")
+    study.write_text(text)
+    assert run_ur5("check", study).status == 0
+    copy = text[text.index("- name: ") : text.index("- name: run_right")]
+    study.write_text(text + copy.replace("name: run_left", "name: again"))
+    assert "run_left and again use the same" in run_ur5("check", study).line

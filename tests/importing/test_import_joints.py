@@ -10,7 +10,7 @@ import yaml
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-from tests.entries import in_words
+from tests.entries import in_words, read_recording
 from tests.robots.test_from_urdf import made_up, saved
 from tests.stored_files import write_bag
 from ur5lib.commands.described import describe_urdf
@@ -177,3 +177,27 @@ def test_a_bag_of_joint_states(log: dict[str, Array], tmp_path: Path) -> None:
     write_bag(tmp_path / "run.bag", log["t"], channels, names)
     (found,) = import_files([tmp_path / "run.bag"])
     assert found.entry["channels"]["actual_torque"] == "/joint_states/effort"
+
+
+@pytest.mark.parametrize("named", [True, False])
+def test_a_bag_has_the_order_of_the_described_joints(
+    named: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By the names of the user's own URDF, whatever the message's order; else as it is there."""
+    monkeypatch.chdir(tmp_path)
+    words = ["waist", "upper", "twist", "bend", "roll", "nod", "turn"]
+    urdf = saved(made_up(7), tmp_path)
+    text = urdf.read_text()
+    for k, word in enumerate(words, 1):
+        text = text.replace(f'"axis_{k}"', f'"{word}"')
+    urdf.write_text(text)
+    describe_urdf(urdf, None, None, "own_names")
+    order = [4, 2, 6, 0, 1, 5, 3]
+    names = [words[k] if named else "abcdefg"[k] for k in order]
+    write_bag(tmp_path / "run.bag", TIME, {"actual_q": sines(7)[:, order]}, names)
+    (one,) = import_files([tmp_path / "run.bag"], UserStatement("own_names"))
+    table = read_recording(one.entry).robot.table
+    expected = sines(7)[:, range(7) if named else order]
+    np.testing.assert_allclose(channel(table, "actual_q"), expected)
+    told = {row.subject: row.confidence for row in one.account}
+    assert told["the joints' order"] == ("assumed" if named else "check")

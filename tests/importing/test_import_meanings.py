@@ -57,6 +57,104 @@ def test_bare_names_of_joints_are_positions(tmp_path: Path, made: Made, names: s
     assert ("to be: positions" in told) == ("pos" not in names)
 
 
+@pytest.mark.parametrize("effort", ["A{n} Motormoment [Nm]", "A{n} Drehmoment [Nm]", ""])
+def test_bare_names_beside_efforts_are_positions(tmp_path: Path, made: Made, effort: str) -> None:
+    """As of KUKA's trace; alone, they may be anything of the joints."""
+    columns = {"Zeit [s]": made[0]}
+    for n in range(6):
+        columns[f"A{n + 1} Ist [Grad]"] = np.degrees(made[1]["actual_q"][:, n])
+        if effort:
+            columns[effort.format(n=n + 1)] = 12 * made[1]["actual_current"][:, n]
+    pd.DataFrame(columns).to_csv(tmp_path / "run.csv", sep=";", decimal=",", index=False)
+    one, told = imported(tmp_path / "run.csv", "ur5")
+    read = channel(read_recording(one.entry).robot.table, "actual_q")
+    np.testing.assert_allclose(read, made[1]["actual_q"], atol=1e-9)
+    sure = "assumed" if effort else "check"
+    assert f"{sure}: A1 Ist [Grad] … A6 Ist [Grad]: actual_q [deg]" in told
+    assert effort.format(n=1) in told
+
+
+def test_seven_bare_names_are_joints_beside_a_pose(tmp_path: Path, made: Made) -> None:
+    q = np.column_stack([made[1]["actual_q"], made[1]["actual_q"][:, 0]])
+    columns = {"time": made[0]} | {f"current_pos_{axis}": np.sin(made[0]) for axis in "xyz"}
+    columns |= {f"joint_{k + 1}": rows for k, rows in enumerate(q.T)}
+    pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
+    one, _ = imported(tmp_path / "run.csv")
+    assert one.entry["columns"][-7:] == [f"actual_q_{k}" for k in range(7)]
+
+
+@pytest.mark.parametrize("robot", ["", "ur5"])
+def test_seven_columns_are_no_wrench(tmp_path: Path, made: Made, robot: str) -> None:
+    """With seven joints or six and a gripper's, external torques may have a wrench's name."""
+    q = np.column_stack([made[1]["actual_q"], np.clip(made[1]["actual_q"][:, 0], 0, 1)])
+    columns = {"time": made[0]} | {f"q_{k}": rows for k, rows in enumerate(q.T)}
+    columns |= {f"TCPWrench_{k}": np.sin(made[0] + k) for k in range(7)}
+    pd.DataFrame(columns).to_csv(tmp_path / "run.csv", index=False)
+    _, told = imported(tmp_path / "run.csv", robot)
+    assert "left out: TCPWrench_0 … TCPWrench_6: nothing: 7 columns, no wrench" in told
+
+
+def test_a_second_clock_is_no_joint(tmp_path: Path, made: Made) -> None:
+    """In a table without names, it would move every group of columns by one."""
+    q, qd = made[1]["actual_q"], made[1]["actual_qd"]
+    rows = np.column_stack([made[0], 1.7e9 + made[0], q, qd])
+    np.savetxt(tmp_path / "run.csv", rows, delimiter=",", fmt="%.9f")
+    one, told = imported(tmp_path / "run.csv", "ur5")
+    assert "column 2: nothing: another clock" in told
+    np.testing.assert_allclose(
+        channel(read_recording(one.entry).robot.table, "actual_q"), q, atol=1e-8
+    )
+
+
+def test_nameless_angles_without_velocities_are_the_slowest(tmp_path: Path, made: Made) -> None:
+    """Which is to be checked, and the next is named; a drift of all columns is none."""
+    time, channels = made
+    drift = 30 + np.outer(time, np.linspace(0.01, 0.02, 6))
+    rows = np.column_stack([time, channels["actual_current"], drift, channels["actual_q"]])
+    np.savetxt(tmp_path / "run.csv", rows, delimiter=",", fmt="%.9f")
+    one, told = imported(tmp_path / "run.csv", "ur5")
+    read = channel(read_recording(one.entry).robot.table, "actual_q")
+    np.testing.assert_allclose(read, channels["actual_q"], atol=1e-8)
+    assert "check: column 14 … column 19: actual_q: the block of 6 columns" in told
+
+
+@pytest.mark.parametrize("letters", ["SLURBT", "SLEURBT"])
+def test_quantities_of_lettered_joints(tmp_path: Path, made: Made, letters: str) -> None:
+    """As of Yaskawa's arms: in the order of their letters, below a header of their own."""
+    motion = {name: made[1][f"actual_{name}"][:, [0, 1, 2, 3, 4, 5, 0][: len(letters)]]
+              for name in ("q", "qd")}  # fmt: skip
+    columns = {"TIME": made[0]} | {
+        f"{letter}_{name}": motion[name.replace("POS", "q").replace("SPD", "qd")][:, k]
+        for name in ("POS", "SPD")
+        for k, letter in reversed([*enumerate(letters)])
+    }
+    text = pd.DataFrame(columns).to_csv(index=False)
+    (tmp_path / "run.csv").write_text(f"/JOB MOTION.JBI\n///POS\n{text}")
+    one, _ = imported(tmp_path / "run.csv")
+    table = read_recording(one.entry).robot.table
+    for name, rows in motion.items():
+        np.testing.assert_allclose(channel(table, f"actual_{name}"), rows, atol=1e-9)
+
+
+@pytest.mark.parametrize("robot", ["", "ur5"])
+def test_pulses_are_to_be_checked_until_they_have_a_unit(
+    tmp_path: Path, made: Made, robot: str
+) -> None:
+    """As Yaskawa's controllers count them, below a header of their own; the remedy reads them."""
+    per_radian = np.array([85000.0, 90000.0, 70000.0, 58000.0, 58000.0, 34000.0])
+    pulses = np.round(made[1]["actual_q"] * per_radian)
+    columns = {f"{letter}_POS": rows for letter, rows in zip("SLURBT", pulses.T, strict=True)}
+    text = pd.DataFrame({"TIME": made[0]} | columns).to_csv(index=False)
+    (tmp_path / "run.csv").write_text(f"/JOB MOTION.JBI\n///PULSE\n{text}")
+    one, told = imported(tmp_path / "run.csv", robot)
+    assert "check: S_POS … T_POS: actual_q" in told
+    assert "counts of encoders" in told
+    assert "`units: {actual_q: […]}`" in told
+    entry = one.entry | {"units": {"actual_q": (1 / per_radian).tolist()}}
+    read = channel(read_recording(entry).robot.table, "actual_q")
+    np.testing.assert_allclose(read, made[1]["actual_q"], atol=2e-5)
+
+
 @pytest.mark.parametrize(
     ("positions", "velocities", "efforts", "effort_channel", "per_unit"),
     [
@@ -94,6 +192,27 @@ def test_units_in_names_say_what_their_columns_are(
     for name, expected in (("actual_q", made[1]["actual_q"]), ("actual_qd", made[1]["actual_qd"])):
         np.testing.assert_allclose(channel(table, name), expected, atol=1e-12)
     np.testing.assert_allclose(channel(table, effort_channel), effort, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("names", "robot", "sure"),
+    [
+        ("q_{k}", "ur5", "assumed"),
+        ("q_{k}", "", "check"),
+        ("{motor}.pos", "ur5", "check"),  # servos have shares of each joint's range, too
+    ],
+)
+def test_a_described_arm_s_angles_are_no_shares(
+    tmp_path: Path, made: Made, names: str, robot: str, sure: str
+) -> None:
+    motors = ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    q = np.degrees(made[1]["actual_q"])
+    q *= 95 / np.abs(q).max()
+    columns = {names.format(k=k, motor=motors[k]): q[:, k] for k in range(6)}
+    pd.DataFrame({"time": made[0]} | columns).to_csv(tmp_path / "run.csv", index=False)
+    _, told = imported(tmp_path / "run.csv", robot)
+    first, *_, last = columns
+    assert f"{sure}: {first} … {last}: actual_q [deg]" in told
 
 
 def test_counts_of_encoders_are_no_degrees(tmp_path: Path, made: Made) -> None:
@@ -300,7 +419,7 @@ def test_the_likeliest_arm_tells_a_wrench_s_frame(tmp_path: Path) -> None:
     one, told = imported(case("09_wrench_in_base_axes.csv.gz", tmp_path))
     assert one.arm == "my_arm"
     assert "actual_TCP_force" in one.entry["columns"]
-    assert "is like ur5e; in the base's frame" in told
+    assert "is ur5e or like it; in the base's frame" in told
 
 
 @pytest.mark.parametrize("turned", [False, True])

@@ -46,6 +46,9 @@ RIVAL_WORDS = (
     "twice",
 )
 
+OPTION = re.compile(r"--[a-z]+ ?|`\w+(: .*?)?`|`ur5 describe|write (fit|contact)")
+RIVAL = re.compile(r"\b(or|before|otherwise|else|another|others?|if|far better|no unit|would be)\b")
+
 
 class Outcome(NamedTuple):
     """What import made of a log, and the details of it."""
@@ -195,12 +198,20 @@ def untrue(log: RandomLog, account: Iterable[AccountRow]) -> list[str]:
             for claim, so in claims.items()
             if claim in reason and not so and not reason.startswith("if ")
         ]
+        if not ends_a_doubt(row):
+            found.append(f"{row.subject}: a doubt without rival or option: {reason}")
         if row.confidence == "proven":
             rival = any(word in reason for word in RIVAL_WORDS) and re.search(r"\d", reason)
             found += [] if rival else [f"{row.subject}: no rival: {reason}"]
             if row.subject == "robot" and log.arm and row.taken_for != log.arm.name:
                 found.append(f"robot {row.taken_for} proven")
     return found
+
+
+def ends_a_doubt(row: AccountRow) -> bool:
+    """Return whether a row to be checked names the next candidate, and what ends the doubt."""
+    is_doubt = row.confidence == "check"
+    return not is_doubt or bool(OPTION.search(row.reason) and RIVAL.search(row.reason))
 
 
 def _zeros(log: RandomLog) -> list[str]:

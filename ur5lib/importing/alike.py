@@ -14,18 +14,17 @@ from ur5lib.importing.efforts import EFFORT_MEANINGS, as_amperes
 from ur5lib.importing.form_of_file import FormOfFile
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.proposal import Proposal
-from ur5lib.recordings.intake import TORQUE_LESS_GRAVITY
 from ur5lib.records.account import AccountRow
-
-EFFORTS = (*EFFORT_MEANINGS, TORQUE_LESS_GRAVITY)
 
 
 def form_of(proposal: Proposal) -> FormOfFile:
     """Return how a file was read, for other files of the same form to be read alike."""
     file, chosen = proposal.contents, proposal.channels.items()
     guessed = any(r.subject == ORDER and r.evidence == "position" for r in file.account.of_file)
-    efforts = {b[0].names: (name, b[0].all_factors()) for name, b in chosen if name in EFFORTS}
-    raw = [block for block in file.blocks if block.meaning() in EFFORTS]
+    efforts = {
+        b[0].names: (name, b[0].all_factors()) for name, b in chosen if name in EFFORT_MEANINGS
+    }
+    raw = [block for block in file.blocks if block.meaning() in EFFORT_MEANINGS]
     amperes = {b.names: divided.factors for b in raw if (divided := as_amperes(b)) is not b}
     columns = frozenset(block.names for block in file.blocks + file.silent)
     rows = len(proposal.moving.time)
@@ -79,7 +78,7 @@ def _efforts_of(entry: Mapping[str, Any]) -> tuple[Any, str]:
     """
     paths, units = entry.get("channels", {}), entry.get("units", {})
     names = [re.sub(r"_\d$", "", str(column)) for column in entry.get("columns", paths)]
-    columns = ["effort" if name in EFFORTS else name for name in names]
-    told = [f"{n} [{units.get(n, 'SI')}]" for n in dict.fromkeys(names) if n in EFFORTS]
+    columns = ["effort" if name in EFFORT_MEANINGS else name for name in names]
+    told = [f"{n} [{units.get(n, 'SI')}]" for n in dict.fromkeys(names) if n in EFFORT_MEANINGS]
     form = entry.get("robot"), entry.get("format"), columns, [*paths.values()]
     return form, " and ".join(told) or "no efforts"

@@ -128,7 +128,7 @@ def grouped(names: Sequence[str]) -> Iterator[tuple[str, ...]]:
     They are in the order of the joints' names, or else of their numbers; motors with other names
     (`elbow_flex.pos`) are in the file's order.
     """
-    if lettered := lettered_joints(names):
+    while lettered := lettered_joints(names):
         yield lettered
         names = [name for name in names if name not in lettered]
     stems = _by_stem(names)
@@ -193,7 +193,8 @@ def with_bare_positions(blocks: Sequence[ColumnBlock]) -> list[ColumnBlock]:
         and names_joints(block.stem())
         and np.ptp(np.nan_to_num(block.rows), axis=0).any()
     ]
-    if len(bare) != 1 or any(names_positions(block.stem()) for block in blocks):
+    wide = (block for block in blocks if block.rows.shape[1] >= FEWEST_JOINTS)  # no x, y, z
+    if len(bare) != 1 or any(names_positions(block.stem()) for block in wide):
         return [*blocks]
     return [replace(b, stated="actual_q") if b is bare[0] else b for b in blocks]
 

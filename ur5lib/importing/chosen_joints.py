@@ -10,7 +10,7 @@ import numpy as np
 from ur5lib.errors import InputError
 from ur5lib.importing.account import Account
 from ur5lib.importing.spellings import CLOCK_NAME
-from ur5lib.recordings.json_messages import JOINT_FIELDS
+from ur5lib.recordings.messages import JOINT_FIELDS
 
 JOINT_MARK = "\0"  # where a column's name has the joint's
 

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -30,15 +31,18 @@ from ur5lib.importing.spellings import (
     CLOCK_NAME,
     EFFORTS,
     NAME_COLUMN,
+    TOOL_WORDS,
     is_computed,
     lettered_joints,
     names_positions,
     quantity,
+    words,
 )
 from ur5lib.recordings.arm_joints import FEWEST_JOINTS
 from ur5lib.recordings.array_files import LOADERS, format_of
 from ur5lib.recordings.channel_files import at_stamps, has_stamps
 from ur5lib.recordings.delimited import TextTable
+from ur5lib.recordings.echo_start import MESSAGE_FORMATS
 from ur5lib.recordings.entries import SKIPPED_COLUMN, expand
 from ur5lib.recordings.plausibility import is_silent
 from ur5lib.records.codes import Found
@@ -48,7 +52,6 @@ from ur5lib.timeseries.arrays import Array
 
 TABLE_FORMAT = "table-csv"
 PARTED_FORMAT = "channel-files"
-BAG_FORMAT = "rosbag"
 TOPIC_NAME = re.compile(r"joint|state|motion", re.IGNORECASE)  # and no arm's
 MAX_POSSIBLE_VALUE = 1e9  # in any unit of a channel; larger numbers are none
 GRIPPER_RANGE = (-0.1, 1.1)  # rad, m, or the share that it is open
@@ -71,7 +74,8 @@ class UserStatement:
 
     robot: name of the arm; columns: channels of a table's columns in order, or `channel=name` of
     arrays; rate: of rows without a clock [Hz]; units: by channel; joint_names: of the arm, in its
-    order; prefix: of the names of the arm's joints or columns, as `left_`.
+    order; prefix: of the names of the arm's joints or columns, as `left_`; sensor: the file of the
+    force sensor.
     """
 
     robot: str = ""
@@ -80,6 +84,7 @@ class UserStatement:
     units: Mapping[str, str] = field(default_factory=dict)
     joint_names: Sequence[str] = ()
     prefix: str = ""
+    sensor: Path | None = None
 
     def names(self) -> dict[str, str]:
         """Return, by the name of an array in the file, the channel that the user states for it."""
@@ -174,7 +179,7 @@ def arm_labels(file: FileContents) -> list[str]:
         if names_positions(b.stem()) and b.rows.shape[1] >= FEWEST_JOINTS
     ]
     names = [own for own in names if not is_computed(own[0])]
-    places = [own[0].split("/")[:-1] for own in names if file.format == BAG_FORMAT]
+    places = [own[0].split("/")[:-1] for own in names if file.format in MESSAGE_FORMATS]
     # /joint_states and /motion, /ur/joint_states and /ur/motion are topics, no arms of one
     places = [place for place in places if len(place) > 2 and not TOPIC_NAME.search(place[-1])]
     topics = Counter("/".join(place[:-1]) for place in places)
@@ -200,6 +205,9 @@ def contents(
     if path.is_file() and path.stat().st_size == 0:
         raise InputError(f"{path} is empty; record it again, or copy it again from its source")
     header, arrays = _read(file, path, format, stated, findings, account)
+    if (own := _joints_of_arm(stated)) and any(f.code == Found.UNNAMED_JOINTS for f in findings):
+        with suppress(InputError):  # for a message may have other names than the description
+            return contents(file, replace(stated, joint_names=own), timed)
     if controls := with_controls([path.name, *header.columns, *arrays]):
         raise InputError(f"{path}: the name {controls!r} has a control character; rename it there")
     for finding in findings:
@@ -218,10 +226,7 @@ def contents(
     told = len(stated.joint_names) or stated.joints() or width
     joints, named = told or joints_of(path, parts), stated.names()
     parts = _without_gripper(parts, joints, account) if stated.joints() else parts
-    if lacking := {*named} - {*arrays, *(block.stem() for block in parts)}:
-        raise InputError(
-            f"{path}: --columns names {some(sorted(lacking))}, but it has {some([*arrays], 8)}"
-        )
+    _expect_named(named, arrays, parts, path)
     all_blocks = [
         replace(b, joints=joints, stated=named.get(b.names[0]) or named.get(b.stem(), b.stated))
         for b in parts
@@ -233,6 +238,24 @@ def contents(
     blocks = [block for block in all_blocks if not any(block is one for one in silent)]
     described_by = path, format, header, blocks, silent, clocks, findings, stated, joints, account
     return FileContents(*described_by)
+
+
+def _expect_named(
+    named: Iterable[str], columns: Iterable[str], blocks: Iterable[ColumnBlock], path: Path
+) -> None:
+    """Raise InputError where the user names a column that the file does not have."""
+    if lacking := {*named} - {*columns, *(block.stem() for block in blocks)}:
+        raise InputError(
+            f"{path}: --columns names {some(sorted(lacking))}, but it has {some([*columns], 8)}"
+        )
+
+
+def _joints_of_arm(stated: UserStatement) -> Sequence[str]:
+    """Return the names of the stated arm's joints; none where the user names joints, or where the
+    arm is not described or has sizes of joints alone.
+    """
+    joints = described(stated.robot).joints if stated.joints() and not stated.joint_names else ()
+    return joints if len({*joints}) == len(joints) else ()
 
 
 def _follows_a_hand(block: ColumnBlock, blocks: Sequence[ColumnBlock]) -> bool:
@@ -263,7 +286,7 @@ def _read(
         arrays = _table(text, header, account)
     else:
         arrays = LOADERS[format](path, None, findings)
-        if stated.joint_names and format == BAG_FORMAT:
+        if stated.joint_names and format in MESSAGE_FORMATS:
             findings.clear()
             arrays = LOADERS[format](path, joint_arrays(arrays, stated.joint_names), findings)
         _state_unread(findings, account)
@@ -326,7 +349,23 @@ def _clocks(
         account.state("left out", (name,), name, "numbers", reason)
     for name, note in clocks.notes.items():
         account.state("assumed", (name,), name, "numbers", note)
-    return clocks if clocks.stamps else equally_spaced(arrays, stated.rate, clocks.doubts)
+    if not clocks.stamps:
+        return equally_spaced(arrays, stated.rate, clocks.doubts)
+    return _with_second_clock(arrays, clocks, stated.joints() or JOINTS_OF_UR)
+
+
+def _with_second_clock(
+    arrays: Mapping[str, np.ndarray], clocks: FileClocks, joints: int
+) -> FileClocks:
+    """Return the clocks of a table without names, with the column after the first one if that is a
+    clock, too, and whole groups of joints are left.
+    """
+    rest = [name for name in arrays if name not in clocks.stamps]
+    if not rest or not rest[0].startswith(NAMELESS_PREFIX) or len(rest) % joints != 1:
+        return clocks
+    second = clocks_of({rest[0]: arrays[rest[0]]}, None)
+    stamps, units = clocks.stamps | second.stamps, clocks.units | second.units
+    return clocks._replace(stamps=stamps, units=units)
 
 
 def _without_gripper(
@@ -337,8 +376,11 @@ def _without_gripper(
     It is the only column that rests, or the only one with values from 0 to 1; else the first if
     that has such values and the last has not; else the last.
     """
-    wide = [block for block in blocks if block.rows.shape[1] == joints + 1]
-    positions = [b for b in wide if b.is_nameless() or names_positions(b.stem())]
+    of_joints = (block for block in blocks if not words(block.stem()) & TOOL_WORDS)
+    wide = [block for block in of_joints if block.rows.shape[1] == joints + 1]
+    positions = [
+        b for b in wide if b.is_nameless() or b.stated == "actual_q" or names_positions(b.stem())
+    ]
     whole = any(b.rows.shape[1] == joints and names_positions(b.stem()) for b in blocks)
     if whole or not positions:
         return [*blocks]
@@ -408,9 +450,7 @@ def _stated_header(path: Path, stated: UserStatement, count: int) -> TableHeader
 
 def _numbered(cells: Sequence[str], stated: UserStatement) -> list[str]:
     """Return columns with the names of the stated arm's joints replaced by their numbers."""
-    names = described(stated.robot).joints if stated.joints() else ()
-    if len({*names}) < len(names):  # sizes of joints, of which several are equal
-        return [*cells]
+    names = _joints_of_arm(stated)
     longest_first = sorted(enumerate(names), key=lambda numbered: -len(numbered[1]))
     found = [next((pair for pair in longest_first if pair[1] in cell), None) for cell in cells]
     pairs = zip(cells, found, strict=True)
@@ -527,6 +567,9 @@ def _shared_parts(path: str, other: str) -> int:
 
 
 def block_widths(file: FileContents) -> str:
-    """Return in words the blocks of a file with their numbers of columns."""
+    """Return in words the blocks of a file with their numbers of columns, and what is not read."""
     widths = [f"{block.title} ({block.rows.shape[1]})" for block in file.blocks]
-    return some(widths, 6) or "nothing beside its clock"
+    seen = [name for one in file.findings if one.code == Found.UNREAD for name in one.channels]
+    unread = f"; seen, not read: {some(seen, 6)}" if seen else ""
+    nothing = "no numbers that are read" if seen else "nothing beside its clock"
+    return (some(widths, 6) or nothing) + unread

@@ -18,8 +18,11 @@ from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.evidence import Row
 from ur5lib.importing.identity import MAX_REACH, MAX_SHOWN_RATIO, fitting
 from ur5lib.importing.spellings import named_unit, names_share
-from ur5lib.recordings.intake import MOTOR_TORQUE, TORQUE_LESS_GRAVITY
+from ur5lib.recordings.intake import MOTOR_TORQUE
+from ur5lib.recordings.less_gravity import MAX_BESIDE_MOTION, TORQUE_LESS_GRAVITY
+from ur5lib.records.account import Confidence
 from ur5lib.robots.description import Robot
+from ur5lib.timeseries.metrics import correlation
 
 LESS_GRAVITY, UNKNOWN, NO_EFFORT = "neither", "unknown", "no effort"
 CANDIDATES = {  # and their words; a factor a joint: a share of a rating, counts, motors' side
@@ -50,8 +53,8 @@ MAX_TORQUE_RATIO = 1.5  # of a torque in Nm to gravity's
 MAX_PROVEN_RATIO = 1.25
 # By so many nats a share is likelier beyond it, and a unit less likely that one joint contradicts.
 DOUBTED = 5.0
+MAX_HIDDEN_RATIO = 4.0  # of gravity to an effort that has a part of it; without it, 20 and more
 MAX_FACTOR_RATIO = 1.15  # of joints' factors that show one unit
-MAX_BESIDE_MOTION = 0.15  # of the squares of a torque less gravity; of others, 0.29 and more
 MAX_ALIKE_SLOPES, MIN_ALIKE = 1.6, 0.5  # of accelerations on slopes of velocities; correlation
 MIN_SPREAD, MAX_POSE_SHARE = 0.05, 0.03  # m of a pose, and the share of it that may be missed
 
@@ -156,6 +159,14 @@ def rows_of(facts: EffortFacts) -> list[Row]:
     return [row for source in sources for row in source(facts)]
 
 
+def surest(rows: Sequence[Row], facts: EffortFacts) -> Confidence:
+    """Return how sure a verdict on an effort may be: without a known arm, gravity and constants are
+    those of a guess, and a name says neither unit nor share, nor whether gravity is in it.
+    """
+    stated = any(row.source in ("option", "unit") for row in rows)
+    return "proven" if facts.is_known else "assumed" if stated else "check"
+
+
 def _kind(facts: EffortFacts) -> Iterator[Row]:
     yield Row("kind", KINDS)
 
@@ -173,6 +184,13 @@ def _option(facts: EffortFacts) -> Iterator[Row]:
             return
     if facts.block.stated and meaning in NAME_ODDS and not bare:
         yield Row("option", {k: 8 * own for k, own in NAME_ODDS[meaning].items()}, "stated")
+
+
+def likely_driver(facts: EffortFacts) -> str:
+    """Return in words what publishes an effort less gravity, "" where nothing is known of it."""
+    is_effort = facts.block.meaning() in ("effort", TORQUE_LESS_GRAVITY)
+    of_ur = is_effort and facts.arm is not None and facts.arm.is_ur()
+    return "; UR's ROS 2 driver publishes it since 2026 (use_currents_as_efforts)" if of_ur else ""
 
 
 def is_share(block: ColumnBlock) -> bool:
@@ -215,10 +233,9 @@ def _size(facts: EffortFacts) -> Iterator[Row]:
     peak = float(np.nanmedian(np.abs(facts.block.rows).max(axis=1)))
     bound = CHANNELS[MEASURED_CURRENT].bound
     if peak > bound:  # counts are as large as mA, which constants, a unit or an option tell
-        told = facts.shown.constants or "mA" in (
-            named_unit(facts.block.names[0]),
-            *facts.units.values(),
-        )
+        named = named_unit(facts.block.names[0]), *facts.units.values()
+        shown = facts.shown.constants and facts.shown.known
+        told = "mA" in named or (shown and not facts.shown.contradicts("mA"))
         odds = {"A": -30.0} if told else {"A": -30.0, "mA": -DOUBTED}
         yield Row("bounds", odds, "too large", {"peak": peak, "bound": bound})
     elif peak < SMALLEST_MILLIAMPERES:
@@ -283,6 +300,8 @@ def _constants(facts: EffortFacts) -> Iterator[Row]:
     units = [unit for unit in UNITS if unit == "Nm" or shown.known]
     if len(shown.constants) == 1 and arm is not None and arm.is_ur():
         doubted = {unit: -DOUBTED for unit in units if shown.contradicts(unit)}
+        if max(shown.ratios("Nm")) < MAX_HIDDEN_RATIO:
+            doubted |= dict.fromkeys((LESS_GRAVITY, NO_EFFORT), -DOUBTED)
         yield Row("constants", doubted, "other constants", {"constants": shown.in_words()})
     if len(shown.constants) < MIN_BEARING_JOINTS or arm is None:
         return
@@ -320,7 +339,7 @@ def _motion(facts: EffortFacts) -> Iterator[Row]:
 def _as_accelerations(means: BlockMeans, name: str) -> Iterator[Row]:
     """Yield a row if a block is the slopes of velocities by one factor, as no efforts are."""
     pairs = [*zip(means.currents[name].T, means.qdd.T, strict=True)]
-    alike = np.array([np.nan_to_num(np.corrcoef(own, qdd)[0, 1]) for own, qdd in pairs])
+    alike = np.nan_to_num(correlation(means.currents[name], means.qdd))
     slopes = np.array([own @ qdd / (qdd @ qdd + SMALLEST_SIZE) for own, qdd in pairs])
     clear = slopes[alike > MIN_ALIKE]
     if 2 * len(clear) > len(slopes) and clear.max() < MAX_ALIKE_SLOPES * clear.min():

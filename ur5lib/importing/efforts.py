@@ -22,14 +22,17 @@ from ur5lib.importing.effort_sources import (
     NO_EFFORT,
     UNKNOWN,
     EffortFacts,
+    likely_driver,
     rows_of,
     shown_by_gravity,
+    surest,
 )
 from ur5lib.importing.evidence import Row, Verdict, decide
 from ur5lib.importing.identity import ArmIdentity, tells_columns
 from ur5lib.importing.spellings import is_of_motors, newton_metres
 from ur5lib.recordings.delimited import number_in
-from ur5lib.recordings.intake import MOTOR_TORQUE, TORQUE_LESS_GRAVITY
+from ur5lib.recordings.intake import MOTOR_TORQUE
+from ur5lib.recordings.less_gravity import TORQUE_LESS_GRAVITY
 from ur5lib.records.account import Confidence
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
@@ -241,7 +244,7 @@ def _facts(
 ) -> EffortFacts:
     """Return what sources are asked about; arm: the file's, or the likeliest."""
     shown = shown_by_gravity(means, arm if arm and tells_columns(arm) else None, name)
-    known = identity.robot is not None
+    known = identity.robot is not None and identity.like is None
     return EffortFacts(block, arm, known, file.stated.units, means, name, shown)
 
 
@@ -272,7 +275,7 @@ def as_of(like: Robot) -> str:
     """Return in words that a meaning holds if the arm, which is unknown, is like the
     likeliest one.
     """
-    return f"if the arm, which nothing tells, is like {like.name}"
+    return f"if the arm, which no name and no pose tells, is {like.name} or like it"
 
 
 def _verdicts(
@@ -280,15 +283,19 @@ def _verdicts(
 ) -> Iterator[tuple[str, EffortFacts, Verdict]]:
     """Yield the verdict on each effort, the surest first; the account gets the rows."""
     rows = {name: rows_of(own) for name, own in facts.items()}
-    verdicts = {name: decide(own, [*CANDIDATES]) for name, own in rows.items()}
+    verdicts = {name: _verdict(rows[name], own) for name, own in facts.items()}
     efforts = [name for name, own in verdicts.items() if own.candidate != NO_EFFORT]
     left = [name for name, own in rows.items() if all(row.source != "motion" for row in own)]
     if not efforts and len(left) == 1:
         rows[left[0]].append(Row("alone", {NO_EFFORT: -7.0}))
-        verdicts[left[0]] = decide(rows[left[0]], [*CANDIDATES])
+        verdicts[left[0]] = _verdict(rows[left[0]], facts[left[0]])
     for name in sorted(facts, key=lambda name: -verdicts[name].lead):
         account.speak(facts[name].block, rows[name], CANDIDATES)
         yield name, facts[name], verdicts[name]
+
+
+def _verdict(rows: Sequence[Row], facts: EffortFacts) -> Verdict:
+    return decide(rows, [*CANDIDATES], surest(rows, facts))
 
 
 def _read_as(facts: EffortFacts, verdict: Verdict, file: FileContents) -> str:
@@ -297,9 +304,13 @@ def _read_as(facts: EffortFacts, verdict: Verdict, file: FileContents) -> str:
     One of which priors alone speak, or gravity only with a factor a joint, is kept in an unknown
     unit: a fit would find the factors, but no force follows from them.
     """
+    if any(row.source == "gravity absent" for row in verdict.speaking):
+        # it is absent, too, where something carries the arm
+        verdict = verdict._replace(confidence="check")
     block, reason, account = facts.block, verdict.reason(CANDIDATES), file.account
     if verdict.candidate == NO_EFFORT:
-        account.exclude(block, reason or NO_EFFORT_REASON)
+        spoken = any(row.words() for row in verdict.speaking)
+        account.exclude(block, reason if spoken else NO_EFFORT_REASON)
         return ""
     if verdict.candidate == LESS_GRAVITY and is_target(block):
         account.exclude(block, f"a command less gravity: {reason}")
@@ -309,12 +320,9 @@ def _read_as(facts: EffortFacts, verdict: Verdict, file: FileContents) -> str:
         account.hold("check", block, verdict.by, _unknown(facts, reason))
         return UNKNOWN
     told = f"in {CANDIDATES[verdict.candidate]}: {reason}"
-    sure = verdict.confidence
     if verdict.candidate == LESS_GRAVITY:
-        by_motion = any(row.source == "gravity absent" for row in verdict.speaking)
-        sure = "check" if by_motion else sure  # gravity is absent, too, where something carries
-        told += f"; {LESS_GRAVITY_REASON}"
-    account.hold(sure, block, verdict.by, told)
+        told += f"{likely_driver(facts)}; {LESS_GRAVITY_REASON}"
+    account.hold(verdict.confidence, block, verdict.by, told)
     return verdict.candidate
 
 

@@ -117,11 +117,13 @@ class Verdict(NamedTuple):
             yield f"{self.lead:.2g} of log-odds before {candidates[self.rival]}"
 
 
-def decide(rows: Sequence[Row], candidates: Sequence[str]) -> Verdict:
+def decide(
+    rows: Sequence[Row], candidates: Sequence[str], surest: Confidence = "proven"
+) -> Verdict:
     """Return the verdict on a block by all rows of evidence.
 
     It is proven if exact rows lead and nothing contradicts, assumed if it leads clearly by more
-    than priors, else to be checked. candidates: the last is none of these.
+    than priors, else to be checked. candidates: the last is none of these; surest: as it may be.
     """
     capped = [row.capped(candidates) for row in rows]
     total = {one: sum(odds[one] for odds in capped) for one in candidates}
@@ -135,8 +137,9 @@ def decide(rows: Sequence[Row], candidates: Sequence[str]) -> Verdict:
     proof = sum(own for row, own in zip(rows, ahead, strict=True) if row.exact)
     doubt = _doubt(rows, [-odds[best] for odds in capped])
     sure: Confidence = "check"
-    if lead >= ASSUMED and told and doubt is None:
-        sure = "proven" if proof >= PROVEN and lead >= PROVEN else "assumed"
+    if lead >= ASSUMED and told and doubt is None and surest != "check":
+        is_proven = proof >= PROVEN and lead >= PROVEN and surest == "proven"
+        sure = "proven" if is_proven else "assumed"
     speaking = [*_speaking(rows, [odds[best] - _mean(odds) for odds in capped], doubt)]
     main = max(zip(ahead, rows, strict=True), key=lambda one: one[0])[1]
     by = SOURCES[main.source].by

@@ -11,7 +11,7 @@ import yaml
 from rich.table import Table
 
 from ur5lib.commands.check import look_through, severe
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, fault_of_ours
 from ur5lib.importing.after import Ends, ends_of, links
 from ur5lib.importing.alike import form_of, precedents, unlike
 from ur5lib.importing.blocks import NAMELESS_PREFIX
@@ -22,12 +22,16 @@ from ur5lib.importing.contents import (
     arm_labels,
     contents,
 )
+from ur5lib.importing.coupled_axes import are_coupled
+from ur5lib.importing.doubts import with_remedy
+from ur5lib.importing.efforts import EFFORT_MEANINGS
 from ur5lib.importing.entry import StudyEntry, entry_of, episodes, identifier, place_of_file
 from ur5lib.importing.form_of_file import FormOfFile
 from ur5lib.importing.identity import ORDER, UNDESCRIBED_ARM
 from ur5lib.importing.parted_runs import PartedRun
 from ur5lib.importing.proposal import Proposal, meanings, propose
 from ur5lib.importing.spellings import CLOCK_NAME
+from ur5lib.importing.two_files import joined, sensor_in
 from ur5lib.recordings.entries import SKIPPED_COLUMN, UNKNOWN
 from ur5lib.records.account import NOTHING, AccountRow
 from ur5lib.study.reading import parse_study
@@ -36,6 +40,7 @@ from ur5lib.tables import write_new_text, write_text
 
 CONFIDENCE_STYLES = {"check": "yellow", "left out": "dim", "evidence": "dim"}
 TO_BE_CORRECTED = "to be corrected"  # what a recording with a stop sign is taken for
+WITH_SENSORS = ("rtde-csv", "table-csv")  # formats with a file of the sensor beside
 YAML_WIDTH = 100  # characters a line of YAML
 
 
@@ -64,35 +69,49 @@ class ImportedFiles(list[ImportedRecording]):
     """The imported recordings; refused: for each other file, why it was not imported."""
 
     refused: tuple[str, ...] = ()
+    parts: tuple["ReadPart", ...] = ()
 
 
 def import_files(
-    paths: Iterable[Path | PartedRun], stated: UserStatement = NO_STATEMENT
+    paths: Iterable[Path | PartedRun],
+    stated: UserStatement = NO_STATEMENT,
+    like: Sequence["ReadPart"] = (),
 ) -> ImportedFiles:
-    """Return the entries of recordings, each read back and checked; stated: by the user.
+    """Return the entries of recordings, each read back and checked.
 
-    Raises InputError, with all reasons, where no file is readable and has positions.
+    stated: by the user; like: files that were read before, whose form is that of these. Raises
+    InputError, with all reasons, where no file is readable and has positions.
     """
     parts = [part for path in paths for part in _parts(path, stated)]
-    forms = {k: part.form for k, part in enumerate(parts) if part.form}
+    every = [*parts, *like]
+    forms = {k: part.form for k, part in enumerate(every) if part.form}
     for k, precedent in precedents(forms):
-        parts[k].propose_like(precedent, stated)
+        if k < len(parts):
+            parts[k].propose_like(precedent, stated)
     for part in parts:
-        if not part.imported or part.layout[2:3] == [f"{NAMELESS_PREFIX}1"]:
-            same = (other.imported for other in parts if other.layout == part.layout)
+        if given := [
+            one for other in like if other.layout == part.layout for one in other.imported
+        ]:
+            _take_columns(part, given, at_any_rate=True)
+        elif not part.imported or part.layout[2:3] == [f"{NAMELESS_PREFIX}1"]:
+            same = (other.imported for other in every if other.layout == part.layout)
             _take_columns(part, [*chain.from_iterable(same)])
+    _join_sensors(parts, stated)
     _name_arms(parts)
     files = ImportedFiles(chain.from_iterable(part.imported for part in parts))
+    files.parts = tuple(part for part in parts if part.imported)
     files.refused = tuple(part.refused for part in parts if part.refused and not part.imported)
     if files.refused and not files:
         raise InputError("\n".join(files.refused))
     _name_each_once(files)
     _name_the_one_before(files)
+    for one in files:
+        one.account[:] = map(with_remedy, one.account)
     return files
 
 
 @dataclass
-class _Part:
+class ReadPart:
     """A file, or one of several arms in it, and the result of its import.
 
     label: of that arm; layout: label, format and columns; form: how it was read; refused: why it
@@ -122,6 +141,8 @@ class _Part:
             self.imported, self.form = _checked(_proposed(self.file, file))
         except InputError as error:
             self.refused = f"arm {self.label} of {error}" if self.label else str(error)
+        except Exception as error:  # so that the other files are imported
+            self.refused = f"{self.file}: {fault_of_ours(error)}"
 
     def propose_like(self, precedent: FormOfFile, stated: UserStatement) -> None:
         """Import the file like a precedent, unless that brings a stop sign."""
@@ -135,21 +156,50 @@ def _is_stopped(imported: Iterable[ImportedRecording]) -> bool:
     return any(row.taken_for == TO_BE_CORRECTED for one in imported for row in one.account)
 
 
-def _parts(path: Path | PartedRun, stated: UserStatement) -> list[_Part]:
+def _parts(path: Path | PartedRun, stated: UserStatement) -> list[ReadPart]:
     """Return the imported file as one part, or a part for each of the arms in it."""
     try:
         file = contents(path, stated)
     except InputError as error:
-        return [_Part(path, refused=str(error))]
+        return [ReadPart(path, refused=str(error))]
+    except Exception as error:  # so that the other files are imported
+        return [ReadPart(path, refused=f"{path}: {fault_of_ours(error)}")]
     chosen = stated.prefix or stated.joint_names or stated.columns
     labels = [] if chosen else arm_labels(file)
-    parts = [_Part(path, label) for label in labels] or [_Part(path)]
+    parts = [ReadPart(path, label) for label in labels] or [ReadPart(path)]
     for part in parts:
         part.propose(stated, known=None if labels else file)
     return parts
 
 
-def _name_arms(parts: Sequence[_Part]) -> None:
+def _join_sensors(parts: list[ReadPart], stated: UserStatement) -> None:
+    """Add the files of a force sensor to the entry whose efforts follow the force; of several
+    entries, to the one that follows it best.
+    """
+    alone = [part for part in parts if not part.imported]
+    alone += [ReadPart(stated.sensor)] if stated.sensor else []
+    robots = [one for part in parts for one in part.imported if one.entry["format"] in WITH_SENSORS]
+    for part in alone:
+        sensor = sensor_in(part.file, stated) if isinstance(part.file, Path) else None
+        found = [(joined(one.entry, sensor), one) for one in robots] if sensor else []
+        matches = [(match, one) for match, one in found if match is not None]
+        if matches:
+            (_, added, row), one = max(matches, key=lambda pair: pair[0][0])
+            one.entry.update(added)
+            told = [own for own in one.account if own.subject != "role" or "role" not in added]
+            one.account[:] = [row, *told]
+            part.refused = ""
+        elif sensor:
+            part.refused = (
+                f"{part.file}: has a force and no positions, and the efforts of no robot's file "
+                "follow it; name the robot's file beside it, or write it as `force_sensor` of its "
+                "entry, with `offset_s`"
+            )
+    if stated.sensor and not any("force_sensor" in one.entry for one in robots):
+        raise InputError(alone[-1].refused or f"{stated.sensor}: has no force and clock in columns")
+
+
+def _name_arms(parts: Sequence[ReadPart]) -> None:
     """Append the arms' labels to the names of entries from one file; if one of its arms is refused,
     a row in the others' accounts says why.
     """
@@ -162,15 +212,21 @@ def _name_arms(parts: Sequence[_Part]) -> None:
         part.refused = "" if beside else part.refused
 
 
-def _take_columns(part: _Part, alike: Sequence[ImportedRecording]) -> None:
+def _take_columns(
+    part: ReadPart, alike: Sequence[ImportedRecording], at_any_rate: bool = False
+) -> None:
     """Read a file that is refused, or without column names, like the file of the same form with the
-    fewest skipped columns, if that skips fewer.
+    fewest skipped columns, if that skips fewer, or at_any_rate.
     """
     other, present = min(alike, key=_skipped, default=None), next(iter(part.imported), None)
     if (
         not isinstance(part.file, Path)
         or other is None
-        or (present and (present.arm != other.arm or _skipped(present) <= _skipped(other)))
+        or (
+            present
+            and not at_any_rate
+            and (present.arm != other.arm or _skipped(present) <= _skipped(other))
+        )
     ):
         return
     source = Path(other.entry["folder"], other.entry["file"])
@@ -208,6 +264,8 @@ def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
     """Return the recordings of a file, one or one per episode, with the stop signs of the first in
     their account; and how the file was read.
     """
+    if proposal.arm != UNDESCRIBED_ARM and are_coupled(proposal.moving, proposal.arm):
+        _leave_efforts_out(proposal)
     entry, account = entry_of(proposal), proposal.contents.account.rows(meanings(proposal))
     account.sort(key=lambda row: f"[{UNKNOWN}]" not in row.taken_for)  # which forbids all forces
     first, *others = [entry | part for part in episodes(proposal)] or [entry]
@@ -225,6 +283,17 @@ def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
     ends = None if others else ends_of(proposal)
     recordings = [ImportedRecording(one, account, ends) for one in (first, *others)]
     return recordings, form_of(proposal)
+
+
+def _leave_efforts_out(proposal: Proposal) -> None:
+    """Leave the efforts out of a proposal, in place: without the joints' angles, gravity tells
+    nothing of them.
+    """
+    for name in [name for name in proposal.channels if name in EFFORT_MEANINGS]:
+        proposal.units.pop(name, None)
+        for block in proposal.channels.pop(name):
+            why = "read only when the angle of joint 3 is, which is counted with joint 2"
+            proposal.contents.account.exclude(block, why)
 
 
 def _to_be_corrected(complaints: Iterable[str]) -> list[AccountRow]:
@@ -346,7 +415,7 @@ def _append(imported: Sequence[ImportedRecording], path: Path) -> None:
         raise InputError(f"{path} has a recording {twice[0]} already; rename it there, or the file")
     for one in imported:
         if row := unlike(one.entry, plain.get("recordings") or []):
-            one.account.insert(0, row)
+            one.account.insert(0, with_remedy(row))
     for indent in ("", "  "):
         lines = "".join(f"{indent}{line}\n" for line in as_entries(imported).splitlines())
         try:

@@ -22,11 +22,12 @@ from ur5lib.checks.tool import on_flange
 from ur5lib.importing.blocks import AXES, JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.importing.spellings import place_of, without_unit
+from ur5lib.importing.spellings import lettered_joints, place_of, without_unit
 from ur5lib.recordings.arm_joints import JOINT_NAMES
-from ur5lib.records.account import Evidence
+from ur5lib.recordings.echo_start import MESSAGE_FORMATS
+from ur5lib.records.account import Confidence, Evidence
 from ur5lib.records.codes import Found
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import UNNAMED_ARM, Robot
 from ur5lib.timeseries.arrays import Array
 
 MAX_DISTANCE = 0.004  # m; a calibrated arm misses its nominal kinematics by less
@@ -35,9 +36,10 @@ MAX_POSE_RATIO = 3.0  # times the distance of the best; readings farther away ar
 COMPARED_POSTURES = 12  # postures that are compared
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 ORDER = "the joints' order"
-UNDESCRIBED_ARM = "my_arm"  # in an entry for an arm that has no description yet
+UNDESCRIBED_ARM = UNNAMED_ARM
 NAME_IT = "name the right arm, as with --robot ur5e, or describe it (`ur5 describe`)"
 JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
+USUAL_ORDER = "no name tells it; the other order, by names, is that of drivers of URs"
 MAX_SHOWN_RATIO = 100.0  # beyond this many times the maker's constant, gravity shows none
 MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
 
@@ -54,7 +56,8 @@ class PosedReading(NamedTuple):
 
 class ArmIdentity(NamedTuple):
     """A file's arm and the column of each of its joints. robot: None if the arm has no description;
-    like: of an arm that nothing identifies, the likeliest one, if the efforts have its constants.
+    like: of an arm that nothing but efforts identifies, the likeliest one, if they have its
+    constants: their unit is a guess with it.
     """
 
     arm: str
@@ -74,7 +77,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     orders = usual_orders(file.joints)
     if not names:
         remedy = "describe yours, `ur5 describe arm.urdf`, and name it with --robot"
-        gripper = "where one column is a gripper's, name the arm as well"
+        gripper = "or, where one column is a gripper's, name the arm as well"
         none = f"no described arm has {file.joints} joints; {remedy}; {gripper}"
         file.account.tell("check", "robot", UNDESCRIBED_ARM, "numbers", none)
         return ArmIdentity(UNDESCRIBED_ARM, None, orders[0])
@@ -92,11 +95,7 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
         how = "as given" if file.stated.robot else "by the name of file, folder or columns"
         file.account.tell("assumed", "robot", stated, by, how)
         return ArmIdentity(stated, described(stated), order)
-    arm, is_told = _arm(file, means, [one for one in likely if one.order == order], placed)
-    robot = described(arm) if arm else None
-    if is_told:
-        return ArmIdentity(arm, robot, order)
-    return ArmIdentity(UNDESCRIBED_ARM, None, order, robot)
+    return _arm(file, means, [one for one in likely if one.order == order], placed, order)
 
 
 def arms_of(file: FileContents) -> list[str]:
@@ -112,6 +111,16 @@ def tells_columns(arm: Robot) -> bool:
     a controller's counts.
     """
     return arm.tells_gravity() and not arm.is_counted()
+
+
+def _by_arm(file: FileContents) -> Confidence:
+    """Return how sure an order by gravity is: without a stated arm, it is that of a guess."""
+    return "assumed" if file.stated.robot else "check"
+
+
+def _names_others(file: FileContents) -> bool:
+    """Return whether messages name joints that are not those of an arm, in whatever order."""
+    return any(finding.code == Found.UNNAMED_JOINTS for finding in file.findings)
 
 
 class PosedReadings(NamedTuple):
@@ -253,11 +262,13 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
     elif len(posed) == 1:
         return posed[0]
     elif by_gravity:
-        tell("check", ORDER, in_words(best), "numbers", f"no name tells it, and {so}")
+        tell(_by_arm(file), ORDER, in_words(best), "numbers", f"no name tells it, and {so}")
         return best
     elif ahead > CLEAR_LEAD:
         before = f"no name tells it; gravity, by {ahead:.3g} of log-likelihood before the other"
         tell("assumed", ORDER, "base to wrist", "numbers", f"{before} orders (elbow, wrist first)")
+    elif not _may_be_by_name(file) and not _names_others(file):
+        tell("assumed", ORDER, "base to wrist", "position", USUAL_ORDER)
     else:
         unproven = "what moves shows no other to be likelier, and no name tells it"
         tell("check", ORDER, "base to wrist", "position", unproven)
@@ -270,15 +281,16 @@ def names_order(moving: ImportedMotion) -> Literal["name", "number", ""]:
     """
     file, block = moving.file, moving.position
     first_name = block.names[0]
-    if file.format == "rosbag":
-        unnamed = [f for f in file.findings if f.code == Found.UNNAMED_JOINTS]
+    if file.format in MESSAGE_FORMATS:
+        codes = Found.UNNAMED_JOINTS, Found.NAMELESS_JOINTS
+        unnamed = [f for f in file.findings if f.code in codes]
         topics = (topic for finding in unnamed for topic in finding.channels)
         return "" if any(first_name.startswith(f"{topic}/") for topic in topics) else "name"
     if file.header.entry or first_name in file.stated.names():
         return "name"
     if len(block.names) > 1 and any(joint.search(first_name) for joint in JOINT_NAMES):
         return "name"
-    if _counts(block) and not _may_be_by_name(file):
+    if lettered_joints(block.names) or (_counts(block) and not _may_be_by_name(file)):
         return "name"
     rtde = re.search(r"(actual|act)_?q", first_name, re.IGNORECASE)
     return "number" if len(block.names) > 1 and rtde else ""
@@ -306,12 +318,12 @@ def _arm(
     means: BlockMeans | None,
     likely: Sequence[Reading],
     placed: PosedReadings,
-) -> tuple[str, bool]:
-    """Return the likeliest arm, "" if none is like it, and whether it is certain, for a file that
-    names none.
+    order: Order,
+) -> ArmIdentity:
+    """Return the likeliest arm of a file that names none.
 
-    It is certain by the pose, or by gravity if the constants are the maker's and it is likelier by
-    far than the next.
+    It is certain by the pose alone. By gravity, if the constants are the maker's and it is likelier
+    by far than the next, it is a guess: a factor of the efforts makes them those of another arm.
     """
     possible = [*dict.fromkeys(reading.arm for reading in placed.good)]
     rivals = [reading for reading in (placed.beaten,) if reading and reading.arm not in possible]
@@ -321,21 +333,23 @@ def _arm(
         next_best = f"{rivals[0].arm} is within {1000 * rivals[0].miss:.3g} mm" if rivals else alone
         reason = f"the pose, within {1000 * placed.good[0].miss:.1f} mm; {next_best}"
         tell("proven" if rivals else "check", "robot", possible[0], "numbers", reason)
-        return possible[0], True
+        return ArmIdentity(possible[0], described(possible[0]), order)
     if means is None or not means.currents or not likely:
         tell("check", "robot", UNDESCRIBED_ARM, "numbers", f"nothing tells the arm; {NAME_IT}")
-        return "", False
+        return ArmIdentity(UNDESCRIBED_ARM, None, order)
     best, *others = likely
     constants, are_known = _constants(means, best)
     grounds = f"{best.arm} is the likeliest by the efforts{f', with {constants}' * bool(constants)}"
     lead = best.score - others[0].score if others else np.inf
     rival = [f"the next, {r.arm}, has a log-likelihood less by {lead:.3g}" for r in others[:1]]
     grounds += f"; {''.join(rival) or 'no other of as many joints is described'}"
-    if are_known and lead >= CLEAR_LEAD:
-        tell("proven" if others else "check", "robot", best.arm, "numbers", grounds)
-        return best.arm, True
+    like = described(best.arm) if are_known else None
+    if like and lead >= CLEAR_LEAD:
+        guess = f"if its efforts have the unit that they have then: {grounds}; {NAME_IT}"
+        tell("check", "robot", best.arm, "numbers", guess)
+        return ArmIdentity(best.arm, like, order, like)
     tell("check", "robot", UNDESCRIBED_ARM, "numbers", f"no arm is clear: {grounds}; {NAME_IT}")
-    return best.arm if are_known else "", False
+    return ArmIdentity(UNDESCRIBED_ARM, None, order, like)
 
 
 def _constants(means: BlockMeans, reading: Reading) -> tuple[str, bool]:

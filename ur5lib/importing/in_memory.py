@@ -5,21 +5,24 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from numbers import Real
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal, TypeGuard, get_args
+from typing import Any, Literal, NamedTuple, TypeGuard, get_args
 
 import yaml
 
 from ur5lib.chain.as_files import as_files, named
-from ur5lib.chain.recordings import Arm, Recordings
+from ur5lib.chain.recordings import Arm, Recordings, as_recordings
+from ur5lib.chain.shown import LOGGER
 from ur5lib.chain.steps import Chain, Files
-from ur5lib.errors import InputError, expect_known, expect_text, some
+from ur5lib.errors import InputError, briefly, expect_known, expect_text, fault_of_ours, some
 from ur5lib.importing.contents import UserStatement
-from ur5lib.importing.files import ImportedFiles, as_entries, import_files
+from ur5lib.importing.files import ImportedFiles, ReadPart, as_entries, import_files
 from ur5lib.importing.parted_runs import runs_of
 from ur5lib.importing.written import expect_all, expect_no_study
+from ur5lib.recordings.echo_start import is_echoed
 from ur5lib.records.quality import Quality
 from ur5lib.robots.description import (
     PROJECT_FOLDER,
@@ -68,19 +71,23 @@ def read(
     columns: str | Sequence[str] | Mapping[str, str] = (),
     unit: Mapping[str, str] | None = None,
     rate: float | None = None,
+    like: Recordings | None = None,
 ) -> Recordings:
     """Return recordings of any format that is read, or those of a study's YAML file, of one arm.
 
     recordings: a file; a data frame, with a clock as column or index; an array (N, M), which has no
     names; arrays by name, each (N,) or (N, n); or several of these, as a list, or by name as a
     mapping. A frame gives to the last bit what it gives as CSV, arrays what they give as a NumPy
-    archive. A line of each is printed; `account` of the result has what each column was taken for.
+    archive. A line of each is logged (INFO of the logger `ur5lib`), and printed where nothing takes
+    logs; `account` of the result has what each column was taken for.
 
     arm: of the recordings, by default what the files or the study state; role: `fit` or `validate`
     of what nothing touches, or `contact`, of all or by name; by default as import finds it, or as
     the study says. As of `ur5 import`, columns: the channels of a table's columns in order, `-` to
     skip one, or the names of columns or arrays by channel; unit: by channel; rate: of rows without
-    a clock [Hz]. Raises InputError where a recording cannot be used.
+    a clock [Hz]. like: recordings of the same logger, which show how these are read, as one at
+    rest, or a short one, does not: arm, form, columns, units and clock are theirs unless stated.
+    Raises InputError where a recording cannot be used.
 
         >>> runs = ur5lib.read(["free1.csv", "free2.csv"], "ur5e")
         >>> runs.names
@@ -93,27 +100,65 @@ def read(
     given = named(recordings)
     if not given:
         raise InputError("no recording is given to be read; name at least one")
-    stated = _statement(arm, role, columns, unit, rate)
+    stated, before = _statement(arm, role, columns, unit, rate), _read_before(like)
+    stated = replace(
+        stated,
+        robot=stated.robot or before.stated.robot,
+        columns=stated.columns or before.stated.columns,
+        units={**before.stated.units, **stated.units},
+        rate=stated.rate or before.stated.rate,
+    )
     file = Path(given[0][1]) if len(given) == 1 and given[0][0] == "" else Path()
-    if file.suffix in YAML_SUFFIXES:
+    if file.suffix in YAML_SUFFIXES and not is_echoed(file):
         if columns or unit or rate or role:
             raise InputError(f"{file} is a study: write columns, units, rates and roles into it")
         return _recordings(_of_arm(parse_study(read_plain(file), str(file)), stated.robot))
     with TemporaryDirectory() as folder:
         try:
             files = expect_no_study([*as_files(given, Path(folder))])
-            imported = import_files(runs_of(files), stated)
+            imported = import_files(runs_of(files), stated, before.parts)
             expect_all(imported)
             study = _of_arm(_study_of(imported, role, folder), "")
             runs = _recordings(study)
         except InputError as error:
             raise InputError(_in_python(str(error), folder)) from error
+        except Exception as error:
+            raise fault_of_ours(error) from error
         for entry in study.recordings:
             if entry.folder.startswith(folder):  # what is found there must be read before it goes
                 runs[entry.name].findings()
+    runs._read_as = ReadAs(replace(stated, robot=runs.robot), _moved(imported, folder))
     for name in runs.names:
-        print(runs.line(name))
+        LOGGER.info(runs.line(name))
     return runs
+
+
+class ReadAs(NamedTuple):
+    """How recordings were read: what was stated of them, and the form of each file."""
+
+    stated: UserStatement
+    parts: tuple[ReadPart, ...] = ()
+
+
+def _read_before(like: object) -> ReadAs:
+    """Return how the recordings were read that others are to be read like.
+
+    Raises InputError for anything but recordings of files or data.
+    """
+    if like is None:
+        return ReadAs(UserStatement())
+    known = as_recordings(like)._read_as
+    if not isinstance(known, ReadAs):
+        raise InputError("like: these are of a study; copy the entry of one, with another file")
+    return known
+
+
+def _moved(imported: ImportedFiles, folder: str) -> tuple[ReadPart, ...]:
+    """Return the parts of an import, without the temporary folder in which they were read."""
+    for one in (one for part in imported.parts for one in part.imported):
+        if str(one.entry["folder"]).startswith(folder):
+            one.entry["folder"] = ""
+    return imported.parts
 
 
 def _statement(
@@ -127,10 +172,10 @@ def _statement(
     if name is not None:
         described(expect_text(name, "arm"))
     if not (unit is None or isinstance(unit, Mapping)):
-        raise InputError(f'unit: {unit!r:.80} states none; write {{"actual_current": "mA"}}')
+        raise InputError(f'unit: {briefly(unit)} states none; write {{"actual_current": "mA"}}')
     units = {expect_text(one, "channel"): _unit(own) for one, own in (unit or {}).items()}
     if not (rate is None or (_is_number(rate) and 0 < rate < math.inf)):
-        raise InputError(f"rate: {rate!r:.80} is none; state the rows per second [Hz]")
+        raise InputError(f"rate: {briefly(rate)} is none; state the rows per second [Hz]")
     return UserStatement(str(name or ""), _columns(columns), rate, units)
 
 
@@ -141,7 +186,7 @@ def _columns(given: Any) -> tuple[str, ...]:
         return tuple(f"{channel}={name}" for channel, name in pairs)
     listed = given.split(",") if isinstance(given, str) else given
     if not isinstance(listed, Iterable):
-        raise InputError(f"columns: {given!r:.80} names none; list channels, as actual_q")
+        raise InputError(f"columns: {briefly(given)} names none; list channels, as actual_q")
     return tuple(expect_text(one, "channel") for one in listed)
 
 
@@ -159,6 +204,7 @@ def _in_python(message: str, folder: str) -> str:
     """
     message = re.sub(rf"{re.escape(folder)}/\d+/", "", message)
     message = re.sub(r"with --(\w+) ", r"with \1=", message)
+    message = message.replace("a log that moves with it", "a log that moves with it, or as `like`")
     return re.sub(r"--(columns|unit|rate)\b", r"`\1`", message)
 
 

@@ -1,5 +1,6 @@
 """The blocks that are positions and velocities, by name; and the clock under which they agree."""
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -21,6 +22,7 @@ from ur5lib.importing.clocks import (
 )
 from ur5lib.importing.contents import FileContents, block_widths
 from ur5lib.importing.spellings import (
+    EFFORTS,
     TARGET_OR_TORQUE,
     last_part,
     named_unit,
@@ -38,22 +40,26 @@ CLEAR_MISFIT_RATIO = 0.1  # of what another block misses as a derivative
 MAX_SLOPE_STEP = 1.0  # s; across longer steps, a slope is no velocity
 SLOPE_SPANS = (0.05, 0.3)  # s
 MIN_SLOPES = 10
+MIN_COMPARED = 2  # blocks of which the slowest may be angles
 USUAL_SHARE_OF_SLOPES = 0.95  # beyond which they may be leaps
 MIN_LEAP_SHARE = 0.02  # of a joint's travel, by which it leaps between two runs
 MAX_SHARE_AROUND_LEAP = 0.2  # of a leap, that the joint moves in the steps before and after it
 MIN_SHARE_OF_VELOCITIES = 0.8  # of moving columns that are derivatives; two exchanged are fewer
 CLEAR_CLOCK_RATIO = 2.0  # times the misfit of another clock that then takes its place
 WORST_MISFIT = 10.0  # of a clock under which no velocity is a derivative
-SHARES_REACH = 100.0  # of each joint's own range, to which some drivers scale it
+SHARES_REACH = 100.0  # of each joint's own range, to which some drivers of servos scale it
+SERVO = re.compile(r"[a-z]\.[a-z]+$")  # a motor and its quantity, as elbow_flex.pos
 COUNTS_REACH = 3600.0  # least, of encoders; no joint turns so many degrees
 NO_ANGLE = (
     "in degrees, if it is an angle: within −100 … 100 it may be a share of each joint's range, and "
     "beyond ten turns counts of encoders; then ask for the calibration file"
 )
+BESIDE_POSITIONS = ("actual_qd", *EFFORTS)
 TARGET_UNITS = {"target_q": "deg", "target_qd": "deg/s", "target_qdd": "deg/s2"}  # if in degrees
 MAX_RATIO_OF_FACTORS = 1.5  # of the largest to the smallest, where columns have one unit
 MAX_SHARE_BEHIND_TARGET = 0.05  # of the range of the positions, or of 1
 MAX_TURN_AT_REST = 0.01  # rad
+MAX_ROUGHNESS = 0.5  # of the changes of steps to the steps; noise has 1.7
 MAX_JOINT_ANGLE = 4 * np.pi  # rad; no joint turns further
 
 
@@ -226,7 +232,7 @@ def find_motion(file: FileContents) -> ImportedMotion:
     """
     file = with_continuous_angles(file)
     file = _without_copies(file)
-    position, velocity = _by_name(file) or _nameless(file)
+    position, velocity = _by_name(file) or _by_slopes(file) or (_slowest(file), None)
     file, rate, still = _timed(file, position, velocity)
     file = _with_polled_target(file, file.block(position.names))
     position = file.block(position.names)
@@ -281,19 +287,56 @@ def _with_polled_target(file: FileContents, position: ColumnBlock) -> FileConten
     return replace(file, blocks=blocks)
 
 
-def _nameless(file: FileContents) -> tuple[ColumnBlock, ColumnBlock]:
+def _by_slopes(file: FileContents) -> tuple[ColumnBlock, ColumnBlock] | None:
     """Return positions and velocities: the two nameless blocks of which one is best the derivative
-    of the other. Raises InputError if there are none.
+    of the other; None if there are none.
     """
     pairs = sorted(_pairs(file), key=lambda pair: pair[2])
     if not pairs:
-        raise InputError(f"{file.path}: no positions are found: {_why_no_positions(file)}")
+        return None
     (position, velocity, missed), *others = pairs
     if others and missed > CLEAR_MISFIT_RATIO * others[0][2]:
         rivals = f"{others[0][0].title} and {others[0][1].title} agree about as well"
-        doubt = f"as positions, {velocity.title} as velocities; {rivals}: --columns names the right"
+        doubt = f"as positions, {velocity.title} as velocities; {rivals}: --columns names others"
         file.account.hold("check", position, "numbers", doubt)
     return position, velocity
+
+
+def _slowest(file: FileContents) -> ColumnBlock:
+    """Return the nameless block that changes slowest for its size, without steps, as angles do
+    among all that an arm's motion causes. Raises InputError if there is none, if it is alone, as in
+    the file of a sensor, or where a part of a group is left, so that the columns may be parted
+    otherwise.
+    """
+    paces = {k: _pace(file, b) for k, b in enumerate(file.blocks) if b.is_nameless()}
+    finite = sorted((pace, k) for k, pace in paces.items() if np.isfinite(pace))
+    parted = any(1 < file.blocks[k].rows.shape[1] < file.joints for k in paces)
+    if not finite or parted or len(paces) < MIN_COMPARED:
+        raise InputError(f"{file.path}: no positions are found: {_why_no_positions(file)}")
+    block = file.blocks[finite[0][1]]
+    rivals = [f"{file.blocks[k].title} {pace / finite[0][0]:.2g} times" for pace, k in finite[1:2]]
+    faster = f"; it changes slowest for its size, {rivals[0]} as fast" if rivals else ""
+    why = f"the block of {file.joints} columns that may be angles{faster}; or others, by --columns"
+    file.account.hold("check", block, "numbers", why)
+    return block
+
+
+def _pace(file: FileContents, block: ColumnBlock) -> float:
+    """Return by which share of its spread a block changes from row to row; infinite if it is no
+    smooth motion of as many angles as the arm has.
+    """
+    rows = block.rows[np.isfinite(block.rows).all(axis=1)]
+    if rows.shape[1] != file.joints or len(rows) < MIN_SLOPES:
+        return np.inf
+    rise, spread = np.diff(rows, axis=0), rows.std(axis=0)
+    moves = np.ptp(rows, axis=0) > MAX_TURN_AT_REST
+    turns = np.abs(rows).max() / (DEGREES_PER_RADIAN if _in_degrees(file, block) else 1.0)
+    steady = (rise >= 0).all(axis=0) | (rise <= 0).all(axis=0)  # as temperatures rise
+    if not moves.any() or steady.all() or turns > MAX_JOINT_ANGLE:
+        return np.inf
+    rough = np.diff(rise, axis=0).std(axis=0)[moves] / rise.std(axis=0)[moves]
+    pace = rise.std(axis=0)[moves] / spread[moves]
+    return float(np.median(pace)) if np.median(rough) < MAX_ROUGHNESS else np.inf
 
 
 def _why_no_positions(file: FileContents) -> str:
@@ -385,7 +428,7 @@ def _timed(
         return file, file.stated.rate, False
     unit = DEGREES_PER_RADIAN if _in_degrees(file, position) else 1.0
     if velocity is None and are_postures(position.rows / unit):
-        leaps = "without a clock, and each row far from the next; a motion has a rate: --rate 125"
+        leaps = "without a clock, and each row far from the next; or a motion with --rate 125"
         file.account.tell("check", "rows", "postures at rest", "numbers", leaps)
         return file, None, True
     rows = file.clocks.stamps[ROW_CLOCK]
@@ -396,7 +439,7 @@ def _timed(
         file.account.tell(sure, "rate", f"{rate:g} Hz", "numbers", f"{follows}: {misses}")
         stamps = np.arange(len(rows)) / rate
         return file.on_clock(ROW_CLOCK, ROW_CLOCK, stamps, "s"), rate, False
-    unknown = "no clock, and nothing tells the rate of the rows; name it, as with --rate 125"
+    unknown = "no clock, and nothing tells another rate of the rows; name it, as with --rate 125"
     file.account.tell("check", "rate", f"{ASSUMED_RATE:g} Hz", "position", unknown)
     return file, ASSUMED_RATE, False
 
@@ -463,10 +506,18 @@ def _in_degrees(file: FileContents, position: ColumnBlock) -> bool:
     """Return whether positions must be in degrees: in radians, joints would turn farther than any
     does.
     """
-    reached = np.nanquantile(np.abs(position.rows), 0.99, axis=0)  # not by a damaged row
-    if file.stated.robot:  # its controller may count turns of the motors
-        reached = reached / np.abs(np.diagonal(turns_matrix(described(file.stated.robot))))
+    rows = np.abs(position.rows) / _turns(file)
+    reached = np.nanquantile(rows, 0.99, axis=0)  # not by a damaged row
     return bool(np.median(reached) > MAX_JOINT_ANGLE or np.max(reached) > 5 * MAX_JOINT_ANGLE)
+
+
+def _turns(file: FileContents) -> Array:
+    """Return how often what is counted turns while a joint does (n,), (1,) where no arm is stated:
+    its controller may count turns of the motors.
+    """
+    if not file.stated.robot:
+        return np.ones(1)
+    return np.abs(np.diagonal(turns_matrix(described(file.stated.robot))))
 
 
 def _units(
@@ -487,12 +538,16 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
     """Return whether positions are in degrees: as stated, named, or by how far they turn."""
     stated, named = file.stated.units.get("actual_q"), named_unit(position.names[0])
     shown, most = _in_degrees(file, position), float(np.nanmax(np.abs(position.rows)))
-    are_counts = most > COUNTS_REACH and not file.stated.robot
-    doubtful = shown and not named and (most <= SHARES_REACH or are_counts)
+    of_servos = not file.stated.robot or bool(SERVO.search(position.names[0]))
+    are_counts = float(np.nanmax(np.abs(position.rows) / _turns(file))) > COUNTS_REACH
+    are_shares = most <= SHARES_REACH and of_servos
+    doubtful = shown and not named and (are_shares or are_counts)
     turns = f"reaches {most:.4g}: as radians {most / 2 / np.pi:.0f} turns; joints turn at most 2"
     if position.stated and position.names[0] not in file.stated.names():
-        nothing_else = "of the joints by name, and nothing else to be: positions"
-        file.account.hold("check", position, "name", nothing_else)
+        of_joints = "of the joints by name, and nothing else to be: positions"
+        beside = _named_beside(file, position)
+        told = f"{of_joints} beside {beside.title}" if beside else of_joints
+        file.account.hold("assumed" if beside else "check", position, "name", told)
     if stated:
         file.account.hold("assumed", position, "option", f"in {stated}")
     elif names_share(position.names[0]) or doubtful:
@@ -505,6 +560,12 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
     else:
         file.account.hold("assumed", position, position.evidence, f"in rad: reaches {most:.3g}")
     return (stated or named or ("deg" if shown else "rad")) == "deg"
+
+
+def _named_beside(file: FileContents, position: ColumnBlock) -> ColumnBlock | None:
+    """Return a block of the joints that is named as what positions have with them."""
+    named = (b for b in file.blocks if b.meaning() in BESIDE_POSITIONS and b is not position)
+    return next((b for b in named if b.rows.shape[1] == file.joints), None)
 
 
 def _velocity_in_degrees(

@@ -13,6 +13,7 @@ from ur5lib.recordings.delimited import TextTable
 from ur5lib.records.quality import Log
 
 TEXT_ENDINGS = (".csv", ".txt", ".tsv", ".dat")
+LEROBOT_INFO, LEROBOT_DATA = "meta/info.json", "data/**/*.parquet"
 STAMP_WORDS = {"t", "time", "times", "timestamp", "timestamps", "stamp", "stamps", "clock"}
 STATE_WORDS = {"state", "states", "trajectory"}  # positions and velocities
 BESIDE_QUANTITY = {"joint", "joints", "actual", "measured", "motor", "wrench", "ft", "force"}
@@ -50,9 +51,11 @@ def runs_of(paths: Iterable[Path]) -> list[Path | PartedRun]:
 
 
 def _text_files(path: Path) -> list[Path]:
-    """Return the text files of a folder; the path itself if it is none, or has a bag or no text
-    files.
+    """Return the text files of a folder, or of a LeRobot data set those of its data; the path
+    itself if it is none, or has a bag or no text files.
     """
+    if (path / LEROBOT_INFO).is_file():
+        return sorted(path.glob(LEROBOT_DATA)) or [path]
     inside = [*path.iterdir()] if path.is_dir() else []
     bags = any(format_of(file) == "rosbag" or file.name == "metadata.yaml" for file in inside)
     return ([] if bags else sorted(filter(_is_text, inside))) or [path]

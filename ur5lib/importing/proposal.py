@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import CHANNELS, columns
+from ur5lib.channels import CHANNELS, columns, suffixes
 from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.checked import described
 from ur5lib.checks.readings import Order
@@ -133,7 +133,8 @@ def propose(file: FileContents) -> Proposal:
     named = name_efforts(efforts, ordered, identity, file)
     channels = {name: [block] for name, block in (moving.blocks | named).items()}
     for name in FURTHER_CHANNELS:
-        if (block := file.meant(name, clock)) and block.rows.shape[1] in (6, file.joints):
+        block, width = file.meant(name, clock), len(suffixes(name, file.joints))
+        if block and block.rows.shape[1] == width:
             channels[name] = [block]
     units: ChannelUnits = dict(moving.units)
     units |= {n: unit for n, block in named.items() if (unit := block.unit())}

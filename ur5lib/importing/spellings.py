@@ -1,6 +1,7 @@
 """The spellings of quantities, joints, axes, clocks and units in the names that recorders write."""
 
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
 from ur5lib.channels import RECORDED_CHANNELS, SUFFIXES, is_unused
@@ -14,11 +15,11 @@ def _words_in(text: str) -> set[str]:
 
 # Quantities with a column for each joint, by a word of their name. The first counts.
 JOINT_QUANTITY_WORDS = {
-    "qdd": _words_in("qdd ddq qddot qpp acceleration accelerations accel acc"),
-    "qd": _words_in("qd dq qdot qp velocity velocities vel speed speeds spd"),
-    "q": _words_in("q position positions pos posn angle angles ang theta"),
-    "current": _words_in("i current currents curr cur amp amps ampere"),
-    "torque": _words_in("m torque torques torq trq tq tau moment moments"),
+    "qdd": _words_in("qdd ddq qddot qpp acceleration accelerations accel acc beschleunigung"),
+    "qd": _words_in("qd dq qdot qp velocity velocities vel speed speeds spd geschwindigkeit"),
+    "q": _words_in("q position positions pos posn angle angles ang theta winkel achswinkel"),
+    "current": _words_in("i current currents curr cur amp amps ampere strom motorstrom"),
+    "torque": _words_in("m torque torques torq trq tq tau moment moments drehmoment motormoment"),
     "effort": _words_in("effort efforts eff input inputs"),
 }
 TOOL_QUANTITY_WORDS = {
@@ -59,17 +60,18 @@ EXTERNAL_WORDS = _words_in("ext external extern hat")  # torques that are ascrib
 GRIPPER_WORDS = _words_in("gripper finger fingers hand jaw robotiq")
 LOAD_WORDS = _words_in("load loads")  # of servos, ‰ of the stall torque
 SHARE_WORDS = _words_in("percent percentage pct permille promille normalized normalised counts")
+WRENCH_WORDS, WRENCH_WIDTH = _words_in("wrench ft force"), 6
 SHARE_SIGNS = {"%", "‰", "pu", "p.u.", *SHARE_WORDS}  # in brackets
 IMU_WORDS = _words_in("imu mag magnetometer")  # mx is a magnetic field there
 TEMPERATURE_WORDS = _words_in("temperature temperatures temp temps")
 LETTERED_JOINTS = ([*"SLURBT"], [*"SLEURBT"])  # of Yaskawa's arms
-JOINT_WORDS = _words_in("joint joints jnt axis axes actuator j a")
+JOINT_WORDS = _words_in("joint joints jnt axis axes actuator j a achse ist")  # A1 Ist [Grad]
 ARM_NAME = re.compile(  # one of several arms
     r"(?<![A-Za-z0-9])(left|right|leader|follower|master|slave|[lr]|ur\d+e?"
     r"|(?:arm|robot|panda|franka|iiwa)_?[\dab])(?![A-Za-z0-9])",
     re.IGNORECASE,
 )
-CLOCK_NAME = re.compile(r"time|stamp|clock|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)
+CLOCK_NAME = re.compile(r"time|stamp|clock|zeit|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)
 NAME_COLUMN = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
 BRACKETED_UNIT = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
 APPENDED_UNIT = re.compile(r"_(mA|A|Nm|deg|rad|degs|rads|deg_s|rad_s|ms|us|ns|s)$")
@@ -77,7 +79,9 @@ NUMBERED_MOTOR = r"(.*?[mM]otor)[ _.]?(\d)[ _./](.{1,})"  # a torque may be of i
 NUMBERED_JOINT = r"(.*?)(?:[jJ]oint|[aA]xis|[aA]ctuator|(?<![A-Za-z])[jJaA])[ _.]?(\d)"
 UNIT_SPELLINGS = {  # of bracketed and appended units, as a study writes them
     **{"mA": "mA", "A": "A", "Nm": "Nm", "N m": "Nm", "N·m": "Nm", "N.m": "Nm", "N*m": "Nm"},
-    **dict.fromkeys(("°", "deg", "degree", "degrees", "°/s", "deg/s", "deg_s", "degs"), "deg"),
+    **dict.fromkeys(
+        ("°", "deg", "degree", "degrees", "Grad", "°/s", "deg/s", "deg_s", "degs", "Grad/s"), "deg"
+    ),
     **dict.fromkeys(("rad", "radian", "rad/s", "rad_s", "rads", "rad s-1"), "rad"),
     **dict.fromkeys(("s", "sec", "seconds"), "s"),
     **{"ms": "ms", "msec": "ms", "us": "us", "µs": "us", "μs": "us", "ns": "ns", "nsec": "ns"},
@@ -89,7 +93,9 @@ OTHER_TORQUES = {  # Nm of one, by the letters of a bracketed unit
 }
 # What a quantity is of which the unit alone is named, as `axis1_rad_s`.
 UNIT_MEANINGS = {
-    **dict.fromkeys(("°/s", "deg/s", "deg_s", "degs", "rad/s", "rad_s", "rads"), "actual_qd"),
+    **dict.fromkeys(
+        ("°/s", "deg/s", "deg_s", "degs", "Grad/s", "rad/s", "rad_s", "rads"), "actual_qd"
+    ),
     **{"A": "actual_current", "mA": "actual_current", "Nm": "actual_current_as_torque"},
 }
 
@@ -128,10 +134,17 @@ def names_joints(stem: str) -> bool:
 
 
 def lettered_joints(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the columns that are named by the letters of an arm's joints, in their order."""
-    by_letter = {without_unit(name): name for name in names}
-    whole = [letters for letters in LETTERED_JOINTS if {*letters} <= {*by_letter}]
-    return tuple(by_letter[letter] for letter in whole[-1]) if whole else ()
+    """Return columns that are named by the letters of an arm's joints, with one quantity or none
+    behind them (`S_POS`, `L_POS`), in their order.
+    """
+    by_tail = defaultdict[str, dict[str, str]](dict)
+    for name in names:
+        if lettered := re.fullmatch(r"([A-Z])((?:[ _.]\w+)?)", without_unit(name)):
+            by_tail[lettered[2]][lettered[1]] = name
+    for own in by_tail.values():
+        if whole := [letters for letters in LETTERED_JOINTS if {*letters} <= {*own}]:
+            return tuple(own[letter] for letter in whole[-1])
+    return ()
 
 
 def names_share(name: str) -> bool:
@@ -208,7 +221,8 @@ def quantity(stem: str, width: int, joints: int) -> str | None:
     if spatial in ("force", "torque"):
         return spatial
     if its & TOOL_WORDS or width == 7:
-        return _first_meaning(its, TOOL_QUANTITY_WORDS)
+        meaning = _first_meaning(its, TOOL_QUANTITY_WORDS)
+        return None if width == 7 and meaning != "actual_TCP_pose" else meaning
     return spatial
 
 
@@ -229,13 +243,15 @@ def kind_of_quantity(word: str) -> str | None:
 
 def is_of_motors(stem: str) -> bool:
     """Return whether a name has a word of the motors' side, or "raw"."""
-    return bool(words(stem) & {"motor", "motors", "raw"})
+    return bool(words(stem) & {"motor", "motors", "motormoment", "raw"})
 
 
 def unused(stem: str, columns: Sequence[str], joints: int) -> str:
     """Return why a quantity of no channel is left out, by its name and those of its columns."""
     name = last_part(stem)
     its = words(name)
+    if len(columns) > WRENCH_WIDTH and its & WRENCH_WORDS:
+        return f"{len(columns)} columns, no wrench: external joint torques, by their number"
     of_joints = kind_of_quantity(name) and {place_of(column)[1] for column in columns} - {-1}
     if of_joints and 1 < len(of_joints) < joints:
         missing = joints - len(of_joints)
@@ -277,12 +293,12 @@ def _of_joints(its: set[str]) -> str | None:
     kind = _first_meaning(its, JOINT_QUANTITY_WORDS)
     if its & TEMPERATURE_WORDS:
         return "joint_temperatures"
-    if kind is None or its & (EXTERNAL_WORDS | GRIPPER_WORDS):
+    if its & (EXTERNAL_WORDS | GRIPPER_WORDS) or (kind is None and not its & COMMAND_WORDS):
         return None
     if its & MODEL_WORDS and not its & SUBTRACTION_WORDS:
         return None
     if kind == "effort":
         return kind
     if its & COMMAND_WORDS:
-        return "target_moment" if kind == "torque" else f"target_{kind}"
-    return {"qdd": None, "torque": "actual_current_as_torque"}.get(kind, f"actual_{kind}")
+        return "target_moment" if kind == "torque" else f"target_{kind or 'q'}"
+    return {"qdd": None, "torque": "actual_current_as_torque"}.get(kind or "", f"actual_{kind}")

@@ -36,6 +36,7 @@ def user_statement(
     units: Sequence[str],
     joints: str = "",
     prefix: str = "",
+    sensor: Path | None = None,
 ) -> UserStatement:
     """Return what a user states of recordings.
 
@@ -48,7 +49,7 @@ def user_statement(
     names = tuple(columns.split(",")) if columns else ()
     named = tuple(name.strip() for name in joints.split(",") if name.strip())
     by_channel = dict(_pair(one) for one in units)
-    return UserStatement(robot or "", names, rate, by_channel, named, prefix)
+    return UserStatement(robot or "", names, rate, by_channel, named, prefix, sensor)
 
 
 def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFiles:
