@@ -23,6 +23,7 @@ from scipy.signal import butter, filtfilt
 from benchmarks.harness.abb_like import JOINTS, PERIOD, MadeUpArm, write_files
 from benchmarks.harness.options import asked
 from benchmarks.harness.stand import CURRENTS, MOTIONS, SETTINGS
+from ur5lib.identification.current_samples import FitSettings
 from ur5lib.identification.currents import RUN_TO_RUN_STD, SEASON, friction_std
 from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.recordings.entries import ENTRY
@@ -142,7 +143,7 @@ def fitted(arm: Robot, logs: Mapping[str, Log]) -> Fit:
     found = identify_model(arm, signals, motion, dict.fromkeys(logs), MOTIONS, CURRENTS)
     known = robot_of(yaml.safe_load(found.arm))
     recordings = {name: with_torques(known, log, "fit") for name, log in logs.items()}
-    friction = fit_friction(known, recordings, {}, dict.fromkeys(logs, ""), CURRENTS)
+    friction = fit_friction(known, recordings, {}, dict.fromkeys(logs, ""), FitSettings(CURRENTS))
     loads = {
         name: estimate_load(own, friction, known, CURRENTS) for name, own in recordings.items()
     }

@@ -34,13 +34,15 @@ from ur5lib.checks.unchecked import unchecked
 from ur5lib.records.codes import Found
 from ur5lib.records.quality import Finding
 from ur5lib.robots.description import Payload
-from ur5lib.robots.statics import gravity_torque
+from ur5lib.robots.statics import flange_kinematics, gravity_torque
 from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
 
 SEEDS = 8
 DELAYS, SCALE, UNIT = (0.05, 0.3), 0.6, 1000.0  # s; of one joint's efforts; of all
 DELAY_OF_A_JOINT = 0.1  # s
+PACE = 1.25  # of a clock
+STIFFNESS = 300.0  # N/m
 TOOL = Payload(mass=2.6, center_of_mass=(0.02, 0.0, 0.08))
 DOUBT = Found.LINKS_IN_DOUBT
 
@@ -75,6 +77,7 @@ def main() -> None:
         return
     faulty = pd.DataFrame([row for own in logs for row in of_faults(own)])
     print(table(faulty, ["fault"]))
+    print(table(faulty, ["arm"]))
     for (kind, outcome), rows in faulty[faulty["told"] == 0].groupby(["fault", "outcome"]):
         print(f"- {kind}, {outcome}: {', '.join(rows['log'])}")
 
@@ -112,7 +115,8 @@ def of_faults(log: RightLog) -> Iterator[dict[str, object]]:
         told = any(is_told(fault, sign) for sign in stops)
         outcome = "told" if told else "told otherwise" if stops else "unnoticed"
         counts = {name: int(name == outcome) for name in ("told", "told otherwise", "unnoticed")}
-        yield {"fault": fault.kind, "log": log.name, "outcome": outcome, "logs": 1, **counts}
+        about = {"arm": log.arm, "fault": fault.kind, "log": log.name, "outcome": outcome}
+        yield about | {"logs": 1, **counts}
 
 
 def is_told(fault: Fault, sign: Finding) -> bool:
@@ -146,8 +150,11 @@ def faults(own: Checked) -> Iterator[Fault]:
     if moving:
         yield from of_a_joint(own, int(random.choice(moving)))
         yield from of_all_joints(own)
+        yield from of_the_whole(own)
         if own.arm.tells_gravity():
             yield Fault("a tool of 2.6 kg", with_tool(own), set(), ("load",))
+        kind = f"a spring of {STIFFNESS:g} N/m on the tool"
+        yield Fault(kind, with_spring(own, STIFFNESS), set(), ("spring",))
         others = [one for one in own.others if one.joints != own.arm.joints]
         if own.arm.has_ur_motors() and others:
             other = replace(own, arm=others[random.integers(len(others))])
@@ -200,6 +207,15 @@ def with_tool(own: Checked) -> Checked:
     return replace(spoilt(own, effort + added), fitted=True)
 
 
+def with_spring(own: Checked, stiffness: float) -> Checked:
+    """Return a fit log with efforts that hold a spring [N/m], relaxed at the tool's mean place."""
+    _, place, jacobian = flange_kinematics(own.arm, np.nan_to_num(channel(own.robot, "actual_q")))
+    force = stiffness * (place.mean(axis=0) - place)
+    added = np.einsum("nij,ni->nj", jacobian[:, :3], force) / own.arm.maker_torque_constants()
+    effort = channel(own.robot, own.arm.measured.channel)
+    return replace(spoilt(own, effort - added), fitted=True)
+
+
 def of_all_joints(own: Checked) -> Iterator[Fault]:
     """Yield logs with all efforts negated, in another unit, and delayed."""
     effort = channel(own.robot, own.arm.measured.channel)
@@ -210,6 +226,18 @@ def of_all_joints(own: Checked) -> Iterator[Fault]:
     for delay in DELAYS:
         late = delayed(effort, delay / own.step)
         yield Fault(f"efforts {delay} s late", spoilt(own, late), set(), ("late",))
+
+
+def of_the_whole(own: Checked) -> Iterator[Fault]:
+    """Yield a log with gravity declared from the side, and one with stamps that run too fast, which
+    velocities show if they were recorded.
+    """
+    sideways = own.arm.mounted(np.roll(own.arm.gravity, 1).tolist())
+    yield Fault("gravity from the side", replace(own, arm=sideways), set(), ("other mounting",))
+    if "actual_qd_0" in own.robot:
+        fast = own.robot.assign(time=PACE * own.robot["time"])
+        kind = f"a clock {PACE} times too fast"
+        yield Fault(kind, replace(own, robot=fast), set(), ("clock",))
 
 
 def spoilt(own: Checked, efforts: Array) -> Checked:

@@ -58,6 +58,7 @@ from ur5lib.robots.friction import friction_direction
 from ur5lib.robots.from_urdf import robot_from_urdf
 from ur5lib.robots.inertia import rigid_bodies
 from ur5lib.robots.newton_euler import torque
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.steps.compute_torques import compute_torques
 from ur5lib.tables import channel, named, write_table
 from ur5lib.timeseries.arrays import Array
@@ -131,6 +132,16 @@ def test_right_logs_are_not_stopped(ur5e: Robot, sensed: Robot, seed: int) -> No
     assert signs(replace(log(sensed, seed), arm=unknown(sensed))) == []
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_gravity_from_the_side_is_told_without_links(sensed: Robot, seed: int) -> None:
+    """Where any links explain the torques, but under no gravity from there."""
+    for side in ((0.0, -9.81, 0.0), (9.81, 0.0, 0.0)):
+        arm = unknown(sensed).mounted(side)
+        (sign,) = stop_signs(replace(log(sensed, seed), arm=arm))
+        assert sign.cause == CauseCode.OTHER_MOUNTING
+        assert "`gravity: [0, 0, -9.8" in sign.detail
+
+
 def test_exchanged_efforts_and_joints_are_told_apart(ur5e: Robot, sensed: Robot) -> None:
     order = [0, 3, 2, 1, 4, 5]
     for own in (log(ur5e), log(sensed), replace(log(sensed), arm=unknown(sensed))):
@@ -164,6 +175,32 @@ def test_a_current_too_small_for_what_it_holds_is_told(ur5e: Robot) -> None:
     weak = np.array([1.0, 0.7, 1.0, 1.0, 1.0, 1.0])
     (sign,) = signs(spoilt(log(ur5e), [*range(6)], "actual_current", sign=weak))
     assert "gravity's torque on joint 2 is" in sign
+
+
+@pytest.mark.parametrize("stiffness", [100.0, 300.0])
+def test_a_spring_on_the_tool_is_the_cause_of_what_it_changes(
+    ur5e: Robot, sensed: Robot, stiffness: float
+) -> None:
+    """Whatever gravity, exchanged joints or constants would explain of it; none of a contact."""
+    told = set()
+    for own in (log(ur5e), log(sensed), log(ur5e.mounted((0.0, 6.9, -6.9)), 7)):
+        pulled = sprung(own, stiffness)
+        for sign in stop_signs(pulled):
+            assert sign.cause == CauseCode.SPRING_ON_TOOL
+            told.add(round(float(re.findall(r"spring of (\d+)", sign.detail)[0]), -1))
+        signs = stop_signs(replace(pulled, fitted=False, touched=True))
+        assert {sign.severity for sign in signs} <= {"warning"}
+    assert not told or max(abs(one - stiffness) for one in told) <= 0.1 * stiffness
+    assert bool(told) == (stiffness == 300.0)
+
+
+def sprung(own: Checked, stiffness: float) -> Checked:
+    """With what pulls on the tool towards the middle of its path."""
+    _, place, jacobian = flange_kinematics(own.arm, channel(own.robot, "actual_q"))
+    force = stiffness * (place.mean(axis=0) - place)
+    torque = np.einsum("nij,ni->nj", jacobian[:, :3], force) / own.arm.maker_torque_constants()
+    name = own.arm.measured.channel
+    return replace(own, robot=own.robot.assign(**named(channel(own.robot, name) - torque, name)))
 
 
 def test_what_a_ripple_may_lack_is_no_weak_current(ur5e: Robot) -> None:
@@ -246,6 +283,15 @@ def test_a_late_log_names_no_joint(ur5e: Robot, sensed: Robot) -> None:
     (sign,) = stop_signs(late(log(ur5e), [*range(6)]))
     assert sign.cause == CauseCode.LATE_CURRENT
     assert possible_delays(log(ur5e)) == possible_delays(log(sensed)) == []
+
+
+@pytest.mark.parametrize("joint", range(6))
+def test_a_late_torque_is_told_whatever_the_links_are(sensed: Robot, joint: int) -> None:
+    """By torques of sensors, which feel no friction of the motors, it is a warning."""
+    own = replace(log(sensed), arm=unknown(sensed))
+    assert possible_delays(own) == []
+    (found,) = possible_delays(late(own, [joint], 0.3))
+    assert (found.cause, found.joints) == (CauseCode.LATE_JOINT, (joint + 1,))
 
 
 @pytest.mark.parametrize("gains", [(1.0, 2.0), (2.0, 1.0)])

@@ -72,7 +72,7 @@ def without(*columns: str) -> Change:
 
 
 MISTAKES: dict[str, tuple[Change, int, str]] = {  # the status, and what is said
-    "degrees": (scaled(180 / np.pi, "actual_q", "actual_qd"), 1, "is it in degrees?"),
+    "degrees": (scaled(180 / np.pi, "actual_q", "actual_qd"), 1, "`units: {actual_q: deg"),
     "degrees beside rad/s": (scaled(180 / np.pi, "actual_q"), 1, "is it in degrees?"),
     "mA": (scaled(1000, "actual_current"), 1, "is it in mA?"),
     "sign": (scaled(-1, "actual_current"), 1, "`actual_current: opposite`"),

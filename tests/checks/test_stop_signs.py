@@ -291,7 +291,11 @@ CORRUPTIONS: dict[str, tuple[Spoil, str]] = {
         scaled(DEGREE, "actual_q", "actual_qd", "target_q", "target_qd", "target_qdd"),
         "where actual_q in rad would fit",
     ),
-    "qd in deg/s": (scaled(1 / DEGREE, "actual_qd"), "actual_qd is not the velocity of actual_q"),
+    "qd in deg/s": (scaled(1 / DEGREE, "actual_qd"), "give its unit, `actual_qd: deg/s`"),
+    "positions of a fast clock": (
+        scaled(1.25, "actual_qd", "target_qd"),
+        "the clock is 1.25 times too fast",
+    ),
     "current declared in mA": (scaled(1e-3, "actual_current"), "is in A, not in mA"),
     "currents declared in mA": (
         scaled(1e-3, "actual_current", "target_current"),

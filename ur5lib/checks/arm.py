@@ -16,11 +16,13 @@ from ur5lib.channels import Effort
 from ur5lib.checks.block_means import BlockMeans
 from ur5lib.checks.currents import (
     MAX_CONSTANT_RATIO,
+    MAX_NAMED_RATIO,
     MAX_SHARE_UNEXPLAINED,
     MIN_GRAVITY_TORQUE,
     MIN_STANDARD_ERRORS,
     held_gravity,
     moving_joints,
+    unheld,
 )
 from ur5lib.checks.readings import in_order, readings
 from ur5lib.records.codes import CauseCode
@@ -93,11 +95,11 @@ def foreign_mountings(means: BlockMeans, arm: Robot, brakes: bool, drives: bool)
     if drives:
         likely = [one for one in likely if one not in turned]
     if likely:
-        finding = _other_mounting(likely, bool(turned) and not brakes, means.measured)
+        finding = other_mounting(likely, bool(turned) and not brakes, means.measured)
         yield Cause(finding, gains[likely[0]], means, arm.mounted(likely[0]))
 
 
-def _other_mounting(likely: Sequence[Gravity], by_sign: bool, measured: Effort) -> Finding:
+def other_mounting(likely: Sequence[Gravity], by_sign: bool, measured: Effort) -> Finding:
     """Return the stop sign that names the mountings that fit; by_sign: whether currents of the
     opposite sign would explain gravity as well.
     """
@@ -215,7 +217,9 @@ def foreign_constant(
     """
     cause = f"; {' or '.join(robots_as_cause(fitting))} would fit" if fitting else ""
     detail = (
-        f"gravity's torque on joint {joint + 1} is {number(ratio * known, '.3g')} Nm per A of "
+        unheld("actual_current", joint)
+        if ratio > MAX_NAMED_RATIO
+        else f"gravity's torque on joint {joint + 1} is {number(ratio * known, '.3g')} Nm per A of "
         f"actual_current, but the motors of {arm.name} have {number(known, '.3g')} Nm/A{cause}; "
         "correct `robot`, `payload`, or columns and units"
     )

@@ -21,8 +21,7 @@ DERIVATIVES = [  # a channel, and the channel that should be its derivative
     ("target_q", "target_qd"),
     ("target_qd", "target_qdd"),
 ]
-# A velocity this far from its position's slope is misread.
-MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO = 0.5, 2.0
+MIN_SLOPE, MAX_SLOPE = 0.9, 1.1  # of a position, relative to its velocity
 TWINS = [  # channels that follow each other, and the largest median difference between them
     ("actual_q", "target_q", 0.05),
     ("actual_current", "target_current", 2.5),
@@ -242,12 +241,12 @@ def _missed_and_bent(q: Array) -> tuple[Array, Array]:
 def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
     for below, above in DERIVATIVES:
         if are_recorded(robot, below, above):
-            slopes = _slopes(robot, below, above, period)
+            slopes = slopes_over_velocities(robot, below, above, period)
             if slopes and not channel(robot, above).any():
                 detail = f"{above} is zero while {below} changes, as in an arm that is led by hand"
                 yield Finding("robot", Found.SILENT_CHANNEL, "warning", len(slopes), detail)
                 continue
-            wrong = [joint for joint, slope in slopes.items() if not 0.9 <= slope <= 1.1]
+            wrong = [j for j, slope in slopes.items() if not MIN_SLOPE <= slope <= MAX_SLOPE]
             if wrong:
                 ratios = [f"joint {j + 1}: {number(slopes[j], '.3g')}" for j in wrong]
                 detail = (
@@ -257,22 +256,9 @@ def _derivatives(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
                 yield _inconsistent(len(wrong), detail)
 
 
-def misread_velocities(robot: pd.DataFrame, period: float) -> Iterator[Finding]:
-    """Find velocities in another unit or column than their positions; period: [s]."""
-    for below, above in DERIVATIVES[:2]:
-        if are_recorded(robot, below, above):
-            slopes = [*_slopes(robot, below, above, period).values()]
-            low, high = MIN_VELOCITY_RATIO, MAX_VELOCITY_RATIO
-            wrong = [slope for slope in slopes if slope <= low or slope >= high]
-            if len(wrong) > len(slopes) / 2:
-                detail = (
-                    f"{above} is not the velocity of {below}: the slopes of {below} are "
-                    f"{number(np.median(wrong), '.3g')} times as large; correct columns and units"
-                )
-                yield contradiction(CauseCode.NO_VELOCITY, "velocity", detail)
-
-
-def _slopes(robot: pd.DataFrame, below: str, above: str, period: float) -> dict[int, float]:
+def slopes_over_velocities(
+    robot: pd.DataFrame, below: str, above: str, period: float
+) -> dict[int, float]:
     """Return, by moving joint from 0, the least-squares ratio of the derivative of `below` to
     `above`.
     """

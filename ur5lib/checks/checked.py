@@ -2,7 +2,7 @@
 
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -10,10 +10,10 @@ import pandas as pd
 from ur5lib.channels import TORQUE
 from ur5lib.checks.block_means import BlockMeans, block_means
 from ur5lib.checks.by_motion import MotionChecks
-from ur5lib.checks.contacts import FeltContact, felt_contact
+from ur5lib.checks.contacts import FeltContact, felt_contact, felt_contacts
 from ur5lib.checks.currents import Answers, answers, is_driven, moving_joints
 from ur5lib.checks.delays import Delays, delays_by_motion
-from ur5lib.checks.doubts import doubted_links
+from ur5lib.checks.doubts import doubted_links, doubts_by_joint
 from ur5lib.checks.targets import odd_targets
 from ur5lib.errors import InputError
 from ur5lib.records.quality import Finding
@@ -31,7 +31,7 @@ class Checked:
 
     robot: a repaired table; arm: under the recording's gravity; configured: the payload that the
     controller was given; declared: the one that the study gives; fitted: whether the recording has
-    the role `fit`; cutoff: of the currents' low-pass [Hz].
+    the role `fit`; cutoff: of the currents' low-pass [Hz]; touched: whether it has `contact`.
     """
 
     robot: pd.DataFrame
@@ -40,6 +40,7 @@ class Checked:
     declared: Payload | None
     fitted: bool
     cutoff: float
+    touched: bool = False
 
     @cached_property
     def step(self) -> float:
@@ -144,6 +145,16 @@ class Checked:
         known = self.shows_currents() and self.arm.tells_gravity()
         return felt_contact(self.means, self.loaded) if known else None
 
+    @cached_property
+    def felt(self) -> list[tuple[float, float]]:
+        """Return from and to [s] of the contacts that the currents of a `fit` recording show; none
+        where the described links of the joint may be the cause.
+        """
+        if not self.fitted or self.contact is None:
+            return []
+        doubted = self.contact.joint in doubts_by_joint(self.doubted_links)
+        return [] if doubted else felt_contacts(self.means, self.loaded)
+
     def shows_currents(self) -> bool:
         """Return whether the recording has enough blocks of currents, or of measured torques."""
         return len(self.means.q) >= MIN_BLOCKS and self.means.has_efforts()
@@ -185,7 +196,6 @@ def described_arms() -> dict[str, Robot]:
     return arms
 
 
-@cache
 def described(name: str) -> Robot:
-    """Return a described arm, read once."""
+    """Return an arm as it is described now."""
     return load_robot(robot_path(name))

@@ -74,7 +74,8 @@ class FeltContact(NamedTuple):
             "recording the role contact"
             if is_doubted
             else f"{differs}, but the recording's role means that nothing touches the arm; give it "
-            "the role contact, cut the contact off by `from_s` and `to_s`, or declare `payload`"
+            "the role contact, cut the contact off by `from_s` and `to_s`, or declare `payload`; "
+            "until then, fits leave it out"
         )
         return Finding("robot", Found.CONTACT, "warning", 1, detail)
 
@@ -85,14 +86,31 @@ def felt_contact(means: BlockMeans, arm: Robot) -> FeltContact | None:
     means: of a recording, with currents; arm: with what it carries.
     """
     assert means.time is not None
-    largest = np.array(arm.torque_limits())
-    shares = deviations(means, arm) * np.array(arm.maker_torque_constants()) / largest
+    shares = torque_shares(means, arm)
     if not (shares > CONTACT_TORQUE_SHARE).any():
         return None
     window, joint = np.unravel_index(np.nanargmax(shares), shares.shape)
-    torque = float(shares[window, joint] * largest[joint])
+    torque = float(shares[window, joint] * arm.torque_limits()[joint])
     at = float(means.time[window] - means.time[0])
     return FeltContact(int(joint) + 1, torque, at)
+
+
+def felt_contacts(means: BlockMeans, arm: Robot) -> list[tuple[float, float]]:
+    """Return from and to [s], since the first block, of all contacts that the currents show;
+    arguments as of `felt_contact`.
+    """
+    assert means.time is not None
+    since = means.time - means.time[0]
+    beyond = np.asarray((torque_shares(means, arm) > CONTACT_TORQUE_SHARE).any(axis=1))
+    felt = runs(beyond).tolist()
+    ends = [(first, min(last - 1 + WINDOW_BLOCKS, len(since) - 1)) for first, last in felt]
+    return [(float(since[first]), float(since[last])) for first, last in ends]
+
+
+def torque_shares(means: BlockMeans, arm: Robot) -> Array:
+    """Return `deviations` (W, n) as shares of the motors' largest torques."""
+    constants = np.array(arm.maker_torque_constants())
+    return deviations(means, arm) * constants / np.array(arm.torque_limits())
 
 
 def unfelt_contacts(arm: Robot) -> Finding:

@@ -36,6 +36,7 @@ MIN_CONSTANT, MAX_CONSTANT = 2.5, 40.0  # Nm/A; the torque constants of common a
 # It is the largest ratio to the maker's torque constant, or its inverse. Beyond all errors, right
 # recordings need a factor of 1.51, without the worst arm 1.34.
 MAX_CONSTANT_RATIO = 1.75
+MAX_NAMED_RATIO = 10.0  # of a constant to the known one; a larger one shows that none is
 MILLIAMPERE_CODES = (CauseCode.CURRENT_IN_MA, CauseCode.CURRENT_NOT_IN_MA)
 CONSTANTS_OF_UNITS = {  # Nm per “A” of what is no current in A, by the cause
     CauseCode.TORQUE_AS_CURRENT: (0.5, 2.0),
@@ -217,6 +218,8 @@ def foreign_currents(means: BlockMeans, arm: Robot) -> Iterator[Finding]:
             cause = next(causes, CauseCode.NO_CURRENT)
             motors = f"motors have {number(least, '.3g')} to {number(most, '.3g')} Nm/A"
             detail = _unit_in_words(cause, name, joint, number(constant, ".3g"), motors)
+            if cause == CauseCode.NO_CURRENT and abs(constant) > MAX_NAMED_RATIO * most:
+                detail = unheld(name, joint)
             yield contradiction(cause, "unit", detail, [joint + 1])
 
 
@@ -252,6 +255,16 @@ def _unit_in_words(cause: CauseCode, name: str, joint: int, constant: str, motor
             f"unit, `{name}: opposite`, under `units`, or correct `gravity`"
         )
     return f"{holds} {name}, but {motors}; correct its unit or column, or `gravity`"
+
+
+def unheld(name: str, joint: int) -> str:
+    """Return the sentence on efforts of a channel that balance no gravity by any possible constant;
+    joint: from 0.
+    """
+    return (
+        f"{name} of joint {joint + 1} does not balance gravity there: something carries the arm; "
+        "or correct `robot`, `gravity`, the links, or the columns"
+    )
 
 
 def undeclared_load(

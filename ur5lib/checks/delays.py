@@ -7,12 +7,14 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from ur5lib.channels import CURRENT, TORQUE
 from ur5lib.checks.block_means import DECORRELATION_TIME
 from ur5lib.checks.channels import MIN_MOVING_SPEED
 from ur5lib.records.codes import CauseCode, Found
 from ur5lib.records.quality import Finding, contradiction
 from ur5lib.robots.description import Robot
 from ur5lib.robots.friction import PRESLIDING_DISTANCE, friction_direction
+from ur5lib.robots.newton_euler import torque_regressor
 from ur5lib.robots.statics import gravity_columns
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
@@ -21,8 +23,9 @@ from ur5lib.timeseries.arrays import Array, Mask
 # all joints, 15 of one.
 MIN_LEAD_OF_DELAY = 20.0
 # The lead before shorter delays, which friction that follows the reversal looks like, by drives
-# and without friction. In right recordings, it is at most 1, of a sensor's torque 15.
-MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_WITHOUT_FRICTION = 8.0, 40.0
+# and without friction. In right recordings, it is at most 1, of all of a sensor's torques 31, of
+# one 16.
+MIN_LEAD_BEFORE_SHORTER, MIN_LEAD_WITHOUT_FRICTION, MIN_LEAD_OF_TORQUE = 8.0, 40.0, 25.0
 # These are the step and the largest of the tried delays; right recordings show none.
 DELAY_STEP, MAX_DELAY = 0.02, 0.4  # s
 # A delay of fewer periods of the currents' low-pass changes nothing that it leaves.
@@ -30,6 +33,8 @@ DELAY_IN_PERIODS = 0.06
 CURRENT_NOISE = 0.02  # A, or Nm of torques; nothing is explained better
 # Distances [rad] over which friction may reverse: the usual one, and those that look like a delay.
 REVERSALS = (PRESLIDING_DISTANCE, 1e-3, 2e-3)
+MAX_ROWS = 5000  # of torques that are looked at
+SMALLEST_SHARE = 1e-3  # of the largest singular value; smaller columns fit noise
 MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 
 
@@ -73,7 +78,8 @@ class Delays(NamedTuple):
         joint, or the others may have that delay, too. rubs: whether friction brakes what the
         efforts drive.
         """
-        found = [self.of_joint(joint).shown(rubs) for joint in range(self.scores.shape[1])]
+        least = MIN_LEAD_BEFORE_SHORTER if rubs else MIN_LEAD_OF_TORQUE
+        found = [self.of_joint(joint).ahead_by(least) for joint in range(self.scores.shape[1])]
         shown = [(joint, delay) for joint, delay in enumerate(found) if delay is not None]
         if len(shown) != 1:
             return None
@@ -104,8 +110,13 @@ class Delays(NamedTuple):
         """Return the delay [s] that is far likelier than none, None if no delay is; driven: whether
         motors move the arm, so that friction shows it.
         """
+        return self.ahead_by(MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_WITHOUT_FRICTION)
+
+    def ahead_by(self, least: float) -> float | None:
+        """Return the delay [s] that is far likelier than none, and by `least` than any short one;
+        None if no delay is.
+        """
         late, behind = self.late(), self.behind()
-        least = MIN_LEAD_BEFORE_SHORTER if driven else MIN_LEAD_WITHOUT_FRICTION
         if not late.any() or behind[late].min() >= -MIN_LEAD_OF_DELAY:
             return None
         shown = behind[~late].min() - behind[late].min() > least
@@ -181,14 +192,16 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
     later = np.lib.stride_tricks.sliding_window_view(current, len(lags), axis=0)  # (n, 6, lags)
     rows = rows[np.isfinite(later).all(axis=(1, 2)) & np.isfinite(q[rows]).all(axis=1)]
     rows = rows[received[rows] >= MIN_SHARE_RECEIVED]
-    gravity = gravity_columns(arm, q[rows])
+    independent = len(rows) * step / DECORRELATION_TIME
+    if arm.measured == TORQUE:  # of whose links any have many columns
+        rows = rows[:: 1 + len(rows) // MAX_ROWS]
+    links = _links(arm, q[rows], qd[rows], qdd[rows])
     # the log-likelihood of each delay
     shortest = DELAY_IN_PERIODS / cutoff
     scores = np.zeros((1 + len(REVERSALS), q.shape[1], len(lags)))
-    independent = len(rows) * step / DECORRELATION_TIME
     moves = (qd[rows] ** 2).sum(axis=0) > MIN_MOVING_SPEED**2 * max(len(rows), most)
     for joint in np.flatnonzero(moves):
-        terms = [qd[rows, joint], gravity[joint], qdd[rows, joint], np.ones(len(rows))]
+        terms = [qd[rows, joint], links[joint], np.ones(len(rows))]
         currents, left = later[rows - most, joint], []
         for friction in _frictions(q[:, joint], qd[:, joint]):
             basis, _ = np.linalg.qr(np.column_stack([*terms, friction[rows]]))
@@ -197,12 +210,28 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
     return Delays(np.asarray(lags * step), scores, shortest)
 
 
+def _links(arm: Robot, q: Array, qd: Array, qdd: Array) -> list[Array]:
+    """Return for each joint the columns (N, c) that its links' torque combines: gravity and the
+    joint's acceleration, of measured torques those of any links.
+    """
+    if arm.measured == CURRENT:
+        gravity = gravity_columns(arm, q)
+        return [np.column_stack([own, qdd[:, joint]]) for joint, own in enumerate(gravity)]
+    return [column_basis(own) for own in torque_regressor(arm, q, qd, qdd).swapaxes(0, 1)]
+
+
 def _frictions(q: Array, qd: Array) -> Iterator[Array]:
     """Yield the directions (N,) of dry friction that reverses at once, or over a distance."""
     yield np.tanh(qd / MIN_MOVING_SPEED)
     known = pd.Series(q).ffill().bfill().to_numpy()
     for distance in REVERSALS:
         yield friction_direction(known, np.zeros(len(q), int), distance)
+
+
+def column_basis(columns: Array) -> Array:
+    """Return an orthonormal basis (N, r) of columns (N, c), but for what is small among them."""
+    basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    return np.asarray(basis[:, sizes > SMALLEST_SHARE * sizes.max(initial=0.0)])
 
 
 def _means(values: Array, count: int) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.checks.channels import check_robot
+from ur5lib.checks.commanded import without_command
 from ur5lib.checks.named_rates import other_named_rate
 from ur5lib.checks.parts_of_runs import Ends, as_text
 from ur5lib.recordings.intake import Intake
@@ -28,8 +29,10 @@ def checked_intake(intake: Intake, arm: Robot, names: Iterable[str] = ()) -> Int
     which may state its rate.
     """
     quality, limits = intake.quality, (arm.position_limits(), arm.velocity_limits())
+    robot, commanded = without_command(intake.robot, quality.period_s, arm)
+    intake = replace(intake, robot=robot)
     shown = check_robot(intake.robot, quality.period_s, *limits, arm.is_counted())
-    findings = [*quality.findings, *shown, *other_named_rate(names, quality.period_s)]
+    findings = [*quality.findings, *commanded, *shown, *other_named_rate(names, quality.period_s)]
     for device, table in intake.sensors.items():
         findings += check_sensor(device, table, arm)
     ends = as_text(Ends.of(intake.robot, quality))

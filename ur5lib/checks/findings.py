@@ -13,6 +13,7 @@ from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.contacts import unfelt_contacts
 from ur5lib.checks.delays import as_warning, delayed_currents, delayed_joint
 from ur5lib.checks.doubts import doubts_by_joint
+from ur5lib.checks.load_changes import changed_loads
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.checks.torques import given_load
 from ur5lib.checks.unchecked import unchecked
@@ -35,13 +36,17 @@ def contradictions(
     study overrules stop signs, by kind; only_stops: leave out further doubts.
     """
     doubts = [*doubts, *_of_samples(checked, cutoffs_hz), *checked.odd_targets.values()]
-    stops = stop_signs(checked, accepted)
+    signs = stop_signs(checked, accepted)
+    stops = [one for one in signs if one.severity == "stop"]
+    doubts += [one for one in signs if one not in stops]
     if not stops and not only_stops:  # from a stop sign, others would follow
         doubts += possible_delays(checked)
         doubts += given_load(checked)
         doubts += load_without_targets(checked)
         doubts += scaled_current(checked)
         doubts += contacts_felt(checked, sensed)
+        if not checked.fitted and checked.shows_currents():
+            doubts += changed_loads(checked.means, checked.loaded, fitted=False)
         doubts += unchecked(checked)
     return accepting(Contradictions(stops, doubts), accepted)
 

@@ -11,7 +11,7 @@ from ur5lib.checks.arm import (
     torque_constants,
 )
 from ur5lib.checks.by_motion import MotionChecks
-from ur5lib.checks.channels import misread_velocities, untold_motion
+from ur5lib.checks.channels import untold_motion
 from ur5lib.checks.checked import MIN_BLOCKS, Checked
 from ur5lib.checks.currents import (
     MILLIAMPERE_CODES,
@@ -26,12 +26,15 @@ from ur5lib.checks.exchanged_channels import (
     exchanged_motion,
     names_equal_to_targets,
 )
+from ur5lib.checks.load_changes import changed_loads
 from ur5lib.checks.rectified import rectified_efforts
 from ur5lib.checks.sensed_torques import constant_torques, foreign_size
+from ur5lib.checks.springs import spring_on_tool, without_spring
 from ur5lib.checks.targets import scaled_currents
 from ur5lib.checks.tool import tool_off_flange
 from ur5lib.checks.torques import foreign_torque
 from ur5lib.checks.unknown_unit import unknown_unit
+from ur5lib.checks.velocities import misread_velocities
 from ur5lib.records.accepted import up_to_first_standing
 from ur5lib.records.codes import CauseCode
 from ur5lib.records.quality import Finding, contradiction
@@ -43,11 +46,12 @@ CHECKED_COLUMNS = {"time", "segment", "interpolated", UNKNOWN_UNIT}.union(  # as
     *(columns(f"target_{name}", MOST_JOINTS) for name in ("q", "qd", "current", "moment")),
     (f"filled_{kind}_{name}" for kind in ("actual", "target") for name in ("q", "current")),
 )
+LIKE_A_SPRING = ("constants", "mounting")  # signs that what is left of one brings
 
 
 def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]:
     """Return the stop signs of a recording; of those of arm and efforts, up to the first that the
-    study does not accept.
+    study does not accept, and in place of those that a spring causes in contact, its warning.
 
     checked: the columns CHECKED_COLUMNS are enough; accepted: kinds of stop signs.
     """
@@ -62,8 +66,25 @@ def stop_signs(checked: Checked, accepted: Container[str] = ()) -> list[Finding]
         *exchanged_motion(checked.robot),
         *(smooth if smooth and follows_its_model(checked.means, checked.loaded) else []),
     ]
-    of_arm = up_to_first_standing(_contradictions(checked), accepted)
+    of_arm = _with_springs(checked, accepted)
     return [*simulated, *map(_exchanged_channels, channels), *of_arm]
+
+
+def _with_springs(checked: Checked, accepted: Container[str]) -> list[Finding]:
+    """Return what contradicts the arm, as `stop_signs`; where a spring on the tool explains it, so
+    that it is gone without, the sign of this, or a warning where the role allows a contact.
+    """
+    found = [*up_to_first_standing(_contradictions(checked), accepted)]
+    if not found or checked.motion is None:
+        return found
+    spring = spring_on_tool(checked.motion.motion)
+    if not spring.is_shown():
+        return found
+    rest = [*up_to_first_standing(_contradictions(without_spring(checked, spring)), accepted)]
+    if any((one.cause, one.joints) == (found[0].cause, found[0].joints) for one in rest):
+        return found
+    beside = [one for one in rest if one.kind not in LIKE_A_SPRING]
+    return beside or [spring.finding(checked.touched)]
 
 
 def _simulated(names: Sequence[str]) -> Finding:
@@ -106,6 +127,8 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
         yield from constant_torques(means)
         yield from foreign_size(means, loaded)
     yield from _of_efforts(checked)
+    if checked.fitted and checked.shows_currents():
+        yield from changed_loads(means, loaded, fitted=True)
     if checked.delays is not None:
         late = delayed_joint(checked.delays, checked.driven, name)
         yield from (one for one in late if one.severity == "stop")
@@ -162,8 +185,18 @@ def _explains(cause: Cause, units: list[Finding], motion: MotionChecks | None) -
 
 
 def _mountings(checked: Checked) -> Iterator[Cause]:
-    """Yield another mounting that explains the efforts better. A push at rest looks like one, and
-    counts only if the torque constants are of no motor, either.
+    """Yield another mounting that explains the efforts better: by any links if those of the arm may
+    be wrong, else by its gravity.
+    """
+    motion = checked.motion
+    causes = [] if motion is None or checked.loaded.has_ur_motors() else motion.other_mountings()
+    for own in [*causes] or _mountings_by_gravity(checked):
+        yield own if motion is None else own._replace(gain=motion.gain_of_arm(own.arm))
+
+
+def _mountings_by_gravity(checked: Checked) -> Iterator[Cause]:
+    """Yield another mounting under which the described gravity explains the efforts better. A push
+    at rest looks like one, and counts only if the torque constants are of no motor, either.
     """
     means, loaded, motion = checked.means, checked.loaded, checked.motion
     if not means.has_efforts() or not loaded.tells_gravity():
@@ -173,5 +206,4 @@ def _mountings(checked: Checked) -> Iterator[Cause]:
     ):
         brakes = motion is not None and bool(motion.braked())
         drives = motion is not None and bool(motion.driven_by_friction())
-        for own in foreign_mountings(means, loaded, brakes, drives):
-            yield own if motion is None else own._replace(gain=motion.gain_of_arm(own.arm))
+        yield from foreign_mountings(means, loaded, brakes, drives)

@@ -15,11 +15,11 @@ def unknown_unit(means: BlockMeans, arm: Robot) -> Finding:
     """Return the stop sign of efforts in an unknown unit, with the gains that gravity shows; arm:
     with its payload.
     """
-    name, units = arm.measured.channel, "A, mA" if arm.measured == CURRENT else "Nm, mNm"
+    name, unit = arm.measured.channel, arm.measured.unit
     detail = (
         f"the unit of {name} is unknown, so that no force follows from it: {_gains(means, arm)}; "
-        f"name it: `ur5 import` with --unit {name}={arm.measured.unit} (or {units.split()[1]}, or "
-        "the value of one unit of the file), or `units` in the study"
+        f"name the unit: `ur5 import` with --unit {name}={unit}, m{unit} or the SI value of one "
+        "unit of the file, or `units` in the study"
     )
     return contradiction(CauseCode.UNKNOWN_UNIT, "", detail)
 
