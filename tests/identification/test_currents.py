@@ -39,6 +39,7 @@ from ur5lib.identification.currents import (
     dry_friction,
     friction_current,
     load_loss,
+    mixed_at_rest,
     parameters,
     predict,
     torque_constants,
@@ -75,7 +76,8 @@ from ur5lib.identification.validation import (
 )
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, Friction, LeftOut
 from ur5lib.records.motion import Motion
-from ur5lib.robots.friction import BASE_TERMS
+from ur5lib.robots.friction import BASE_TERMS, rest_factor
+from ur5lib.steps.fit_friction import fitted_friction
 from ur5lib.tables import read_record, write_json
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
@@ -755,6 +757,33 @@ def test_without_a_recording_no_band_is_narrower_than_with_one(study: list[Curre
     none, one = expected_fit(known), fit_currents(study[:1], smooth, known)
     wide, narrow = (np.nanmean(band(fit, other, smooth), axis=0) for fit in (none, one))
     assert (wide >= narrow).all()
+
+
+def test_after_one_path_a_rest_is_mostly_the_usual_one(study: list[CurrentSamples]) -> None:
+    """Its external torque lies between those of both fits, that of motion is the fit's."""
+    friction = np.array(FRICTION).T
+    typical = {
+        name: Typical(1.3 * value, 0.25 * value + 0.01)
+        for name, value in zip(BASE_TERMS, friction, strict=True)
+    }
+    known = replace(prior(), typical=typical | {"offset": Typical(OFFSET, 0 * OFFSET + 0.5)})
+    one, two = (fitted_friction(study[:paths], known, smooth) for paths in (1, 2))
+    assert two.usual is None
+    assert fitted_friction(study[:1], prior(), smooth).usual is None
+    assert one.usual is not None
+    other = make_record(99)
+    current, constant = mixed_at_rest(one.fit, one.usual, other)
+    own, usual = (
+        torque_constants(fit) * (predict(fit, other) - other.current)
+        for fit in (one.fit, one.usual)
+    )
+    mixed, still = constant * (current - other.current), rest_factor(other.qd)
+    moves, rests = still < 1e-9, still > 0.999
+    assert rests.any(axis=0).all()
+    np.testing.assert_allclose(mixed[moves], own[moves], atol=1e-9)
+    share = torque_constants(one.fit) / torque_constants(one.usual)
+    share = 0.75 * share / (0.75 * share + 0.25)  # of currents over their constants
+    np.testing.assert_allclose(mixed[rests], ((1 - share) * own + share * usual)[rests], rtol=1e-2)
 
 
 def test_without_a_recording_a_band_is_of_dry_friction_and_nothing_else() -> None:

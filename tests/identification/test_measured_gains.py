@@ -14,7 +14,7 @@ from tests.made_records import motion_of, signals_of, torques_of
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.errors import Remark
 from ur5lib.identification.current_regression import beyond_range
-from ur5lib.identification.current_samples import prior_of
+from ur5lib.identification.current_samples import FitSettings, prior_of
 from ur5lib.identification.measured_torques import fit_arm
 from ur5lib.identification.samples import joint_samples
 from ur5lib.identification.selection import shows_gain
@@ -84,7 +84,9 @@ def fitted(
             premises=PREMISES,
             quality=Quality(),
         )
-    return fit_friction(arm, recordings, {}, dict.fromkeys(NAMES, ""), Butterworth(4, 2.0))
+    return fit_friction(
+        arm, recordings, {}, dict.fromkeys(NAMES, ""), FitSettings(Butterworth(4, 2.0))
+    )
 
 
 @pytest.fixture(scope="module")

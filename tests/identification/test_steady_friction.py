@@ -15,7 +15,8 @@ from tests.current_study import (
     prior,
     smooth,
 )
-from ur5lib.identification.current_regression import fit_currents
+from ur5lib.identification.current_regression import expected_fit, fit_currents
+from ur5lib.identification.current_samples import prior_of
 from ur5lib.identification.currents import friction_current, torque_constants
 from ur5lib.identification.estimation import estimate_together, physical_values
 from ur5lib.identification.samples import INDEPENDENT_STEP, CurrentSamples, joint_samples
@@ -28,6 +29,8 @@ from ur5lib.identification.steady_friction import (
     total_friction,
 )
 from ur5lib.records.friction import CoefficientEstimate, CurrentFit, JointFit
+from ur5lib.robots.description import Robot
+from ur5lib.steps.fit_friction import with_far_friction
 from ur5lib.timeseries.arrays import Array
 
 STUDY, RUNS = 10, 60  # recordings, studies
@@ -205,3 +208,21 @@ def test_intervals_of_totals_hold_what_they_promise() -> None:
     coverage = np.reshape(inside, (RUNS, -1)).mean(axis=0)
     assert coverage.mean() == pytest.approx(0.95, abs=0.03)
     assert coverage.min() >= 0.87
+
+
+@pytest.mark.parametrize("factor", [1.0, 6.0])
+def test_friction_far_from_the_prior_is_remarked_on(ur5: Robot, factor: float) -> None:
+    """A brake on joint 3 has terms of speed in place of dry friction."""
+    known = prior_of(ur5, [])
+    fit = expected_fit(known)
+    estimate = fit.joints[2].estimate
+    dry = 2 + fit.joints[2].terms.index("coulomb")
+    coefficients = estimate.coefficients.copy()
+    coefficients[dry] *= factor
+    braked = replace(fit.joints[2], estimate=replace(estimate, coefficients=coefficients))
+    joints = (*fit.joints[:2], braked, *fit.joints[3:])
+    found = with_far_friction(replace(fit, joints=joints), np.full(6, 10.0), known)
+    codes = [
+        [one.code for one in joint.remarks if one.code == "far friction"] for joint in found.joints
+    ]
+    assert codes == [["far friction"] * (factor > 1 and k == 2) for k in range(6)]

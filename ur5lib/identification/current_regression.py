@@ -48,8 +48,6 @@ from ur5lib.robots.friction import (
     BASE_TERMS,
     CONSIDERED_OF_TORQUES,
     CONSIDERED_TERMS,
-    SPEED_TERMS,
-    STRIBECK,
 )
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.metrics import NORMAL95
@@ -95,7 +93,7 @@ def _tried(prior: Prior) -> tuple[str, ...]:
     """Return all terms of friction that a fit may use: a prior's, those tried in addition, and
     those that enter its errors.
     """
-    return tuple(dict.fromkeys([*prior.terms, *SPEED_TERMS, STRIBECK, *_considered(prior)]))
+    return tuple(dict.fromkeys([*prior.terms, *prior.tried, *_considered(prior)]))
 
 
 def _considered(prior: Prior) -> tuple[str, ...]:
@@ -172,9 +170,9 @@ def _against(alone: float, known: float, sensed: bool) -> Remark:
         )
         return Remark(CauseCode.TORQUE_AGAINST_GAIN, text, constants=(alone, known))
     text = (
-        f"the motor contradicts its known torque constant ({by_itself} instead of "
-        f"{number(known, '.3g')}), which is used instead: the inertia of the rotor may be missing, "
-        "or a column be wrong; record faster and loaded motions"
+        f"the motor contradicts its known torque constant ({by_itself}; the known "
+        f"{number(known, '.3g')} Nm/A is used): the inertia of the rotor may be missing, or a "
+        "column be wrong; record faster and loaded motions"
     )
     return Remark(CauseCode.CURRENT_AGAINST_CONSTANT, text, constants=(alone, known))
 

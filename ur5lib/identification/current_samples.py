@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,10 +21,10 @@ from ur5lib.records.motion import Motion
 from ur5lib.records.signals import Signals
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import coupled_motors, shaft_matrix
-from ur5lib.robots.friction import FITTED_TERMS
+from ur5lib.robots.friction import BASE_TERMS, FITTED_TERMS
 from ur5lib.robots.statics import gravity_torque
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import zero_phase_lowpass
+from ur5lib.timeseries.lowpass import Butterworth, zero_phase_lowpass
 from ur5lib.timeseries.segments import by_segment, without_ends
 
 # Relative standard deviations: of the maker's constants, and among joints with motors of one size.
@@ -31,6 +32,16 @@ MAKERS = 0.3, 0.1
 OF_URS = 0.0, 0.1  # as MAKERS, of a UR's motors
 OF_TORQUES = 0.0, 0.05  # as MAKERS, of gains of measured torques, which should be 1
 CONTROLLERS = 0.1  # the controller's ratio has this relative error
+
+
+class FitSettings(NamedTuple):
+    """What a study chooses of the fit of currents: their low-pass, and terms and prior of friction,
+    as `further` and `of_other_arms` of `prior_of`.
+    """
+
+    lowpass: Butterworth
+    terms: list[str] | None = None
+    prior: bool = True
 
 
 def current_record(
@@ -45,9 +56,15 @@ def current_record(
     model, motion = arm.fullest_model(), recording.motion
     torque = recording.torques.measured[model] + recording.torques.payload_torque
     samples = measured_samples(recording.name, recording.signals, motion, arm, torque, before)
-    if samples is None or arm.measured == CURRENT:
+    return samples and with_inertial(samples, arm)
+
+
+def with_inertial(samples: CurrentSamples, arm: Robot) -> CurrentSamples:
+    """Return samples with the torque less gravity's, which gains of measured torques need."""
+    if arm.measured == CURRENT:
         return samples
-    return replace(samples, inertial=torque - gravity_torque(arm, model, motion.q))
+    gravity = gravity_torque(arm, arm.fullest_model(), samples.q)
+    return replace(samples, inertial=samples.torque - gravity)
 
 
 def measured_samples(
@@ -65,15 +82,29 @@ def measured_samples(
     """
     if signals.effort is None:
         return None
-    return CurrentSamples(
+    bare = motion_samples(name, motion, arm, torque, before)
+    return replace(bare, current=signals.effort, temperature=signals.joint_temperatures)
+
+
+def motion_samples(
+    name: str,
+    motion: Motion,
+    arm: Robot,
+    torque: Array,
+    before: Sequence[Motion] = (),
+    kind: type[CurrentSamples] = CurrentSamples,
+) -> CurrentSamples:
+    """Return a motion without measured efforts, which are zero; arguments: as of
+    `measured_samples`.
+    """
+    return kind(
         name=name,
-        period=signals.period,
-        segment=signals.segment,
+        period=motion.period if len(motion.time) > 1 else 1.0,
+        segment=motion.segment,
         q=motion.q,
         qd=motion.motor_qd,
         torque=torque,
-        current=signals.effort,
-        temperature=signals.joint_temperatures,
+        current=np.zeros_like(torque),
         shafts=shafts_of(arm, motion, before),
         balanced=[joint - 1 for joint in arm.balanced_joints],
         qdd=None if arm.knows_rotors() else motion.qdd,
@@ -126,8 +157,16 @@ def controllers_ratio(signals: Signals, motion: Motion, odd: Sequence[int] = ())
     return ratio
 
 
-def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
+def prior_of(
+    robot: Robot,
+    ratios: Sequence[Array],
+    further: Sequence[str] | None = None,
+    of_other_arms: bool = True,
+) -> Prior:
     """Return the prior of an arm's current fit; friction is unknown, except of a UR's motors.
+
+    further: terms of friction beyond BASE_TERMS, None for those that the recordings show;
+    of_other_arms: whether a UR's friction is expected to be as theirs.
 
     Torque constants come from the manufacturer, and from the controller's ratios (n,) [Nm/A] of
     recordings. Raises RefusalError if they do not suffice.
@@ -140,13 +179,15 @@ def prior_of(robot: Robot, ratios: Sequence[Array]) -> Prior:
     torque_max, known = np.array(robot.torque_limits()), np.array(robot.maker_torque_constants())
     typical, spreads = dict[str, Typical](), MAKERS if robot.measured == CURRENT else OF_TORQUES
     if robot.has_ur_motors():
-        typical, spreads = typical_friction(torque_max), OF_URS
+        typical, spreads = typical_friction(torque_max) if of_other_arms else {}, OF_URS
         family = np.array(robot.family_torque_constants())
         known = np.where(np.isfinite(family), family, known)
     covariance = makers_covariance(known, controller, robot.joints, *spreads)
     constants = torque_constant_prior(known, covariance, controller, CONTROLLERS)
-    terms = *FITTED_TERMS, *arm_terms(robot)
-    return Prior(constants, torque_max, terms, typical=typical, measured=robot.measured)
+    terms = FITTED_TERMS if further is None else tuple(dict.fromkeys((*BASE_TERMS, *further)))
+    found = Prior(constants, torque_max, (*terms, *arm_terms(robot)), typical=typical)
+    tried = found.tried if further is None else ()
+    return replace(found, tried=tried, measured=robot.measured)
 
 
 def arm_terms(robot: Robot) -> list[str]:

@@ -25,7 +25,13 @@ from ur5lib.records.friction import (
     CurrentFit,
     Parameter,
 )
-from ur5lib.robots.friction import OPTIONAL_TERMS, TERMS, JointMotion, coefficient_names
+from ur5lib.robots.friction import (
+    OPTIONAL_TERMS,
+    TERMS,
+    JointMotion,
+    coefficient_names,
+    usual_at_rest,
+)
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 
@@ -49,6 +55,13 @@ OPTIONAL_COEFFICIENTS = coefficient_names(OPTIONAL_TERMS)
 def torque_constants(fit: CurrentFit) -> Array:
     """Return the torque constants (n,) [Nm/A] of the joints."""
     return 1 / np.array([joint.estimate.coefficients[0] for joint in fit.joints])
+
+
+def motor_torque(fit: CurrentFit, current: Array) -> Array:
+    """Return the torque k i + b (N, n) [Nm] of currents (N, n) [A]."""
+    constant = torque_constants(fit)
+    offset = -constant * [joint.estimate.coefficients[1] for joint in fit.joints]
+    return np.asarray(current * constant + offset)
 
 
 def constants_band(fit: CurrentFit) -> Array:
@@ -94,6 +107,21 @@ def predict(fit: CurrentFit, record: CurrentSamples) -> Array:
     current is not used.
     """
     return predicted_currents(fit, motions(record))
+
+
+def mixed_at_rest(
+    fit: CurrentFit, usual: CurrentFit, record: CurrentSamples
+) -> tuple[Array, Array]:
+    """Return the current [A] that a fit predicts, and its torque constant [Nm/A], (N, n) each,
+    where the coefficients of each joint at rest are a mixture with those of a usual fit.
+
+    One path shows neither friction nor offsets of other postures at rest.
+    """
+    # both are linear in the coefficients, of which 1 / k is one
+    own, other = ((predict(one, record), 1 / torque_constants(one)) for one in (fit, usual))
+    pairs = zip(own, other, strict=True)
+    current, inverse = (usual_at_rest(*pair, record.qd) for pair in pairs)
+    return current, 1 / inverse
 
 
 def motions(record: CurrentSamples) -> Iterator[JointMotion]:

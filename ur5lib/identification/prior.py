@@ -11,7 +11,13 @@ from ur5lib.errors import RefusalError
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.regression import Normal
 from ur5lib.records.codes import CauseCode
-from ur5lib.robots.friction import FITTED_TERMS, coefficient_names, term_of
+from ur5lib.robots.friction import (
+    FITTED_TERMS,
+    SPEED_TERMS,
+    STRIBECK,
+    coefficient_names,
+    term_of,
+)
 from ur5lib.timeseries.arrays import Array, Mask
 
 # Usual standard deviation of a current's independent samples, relative to the largest torque's
@@ -62,7 +68,8 @@ class Prior:
     """Prior of the maps from torque to current of n joints.
 
     inverse_constant: of 1/k [A/Nm]; torque_max: of the motors (n,) [Nm]; measured: the effort that
-    is predicted; of torques, k is the gain [Nm/Nm]; terms: of friction, that are fitted; distances:
+    is predicted; of torques, k is the gain [Nm/Nm]; terms: of friction, that are fitted;
+    tried: those that errors on left-out samples add or remove; distances:
     [rad], over which friction at rest reverses in addition to the usual one; pinned: joints from 0
     that keep the prior's mean of 1/k, regardless of the data; typical: friction and offset by their
     names, empty where unknown; at_rest: postures of the arm, which show 1/k by gravity in addition
@@ -72,6 +79,7 @@ class Prior:
     inverse_constant: Normal
     torque_max: Array
     terms: tuple[str, ...] = FITTED_TERMS
+    tried: tuple[str, ...] = (*SPEED_TERMS, STRIBECK)
     distances: tuple[float, ...] = ()
     pinned: tuple[int, ...] = ()
     typical: Mapping[str, Typical] = field(default_factory=dict)
@@ -115,14 +123,8 @@ class Prior:
             name: Typical(coefficient.mean[rows], coefficient.std[rows])
             for name, coefficient in self.typical.items()
         }
-        return Prior(
-            inverse,
-            self.torque_max[rows],
-            self.terms,
-            self.distances,
-            typical=typical,
-            measured=self.measured,
-        )
+        alone = replace(self, inverse_constant=inverse, torque_max=self.torque_max[rows])
+        return replace(alone, pinned=(), typical=typical, at_rest=None)
 
     def over(self, terms: Sequence[str]) -> Normal:
         """Return the prior of the coefficients of all joints, joint by joint: 1/k [A/Nm], an offset

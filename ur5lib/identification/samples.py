@@ -102,7 +102,7 @@ class CurrentSamples:
     def joint(self, joint: int) -> JointMotion:
         """Return the motion of a joint, from 0."""
         q, qd, torque = (values[:, joint] for values in (self.q, self.qd, self.torque))
-        direction_over = direction_over_distances(self._track(q, qd), tracks(self.before, joint))
+        direction_over = self._direction_over(self._track(q, qd), tracks(self.before, joint))
         warmth = 0.0 if self.temperature is None else self.temperature[:, joint] - USUAL_TEMPERATURE
         shaft, is_balanced = self._shaft(joint), joint in self.balanced
         qdd, inertial = (0.0 if v is None else v[:, joint] for v in (self.qdd, self.inertial))
@@ -129,11 +129,29 @@ class CurrentSamples:
             Track(own.q[:, joint], own.qd[:, joint], motion.segment, motion.period)
             for own, motion in zip(shafts.before, self.before, strict=True)
         ]
-        direction_over = direction_over_distances(self._track(q, qd), before)
+        direction_over = self._direction_over(self._track(q, qd), before)
         return ShaftMotion(qd, qdd, direction_over(PRESLIDING_DISTANCE))
+
+    def _direction_over(self, track: Track, earlier: Sequence[Track]) -> Callable[[float], Array]:
+        """Return a function of a distance [rad] that returns the direction (N,) of dry friction."""
+        return direction_over_distances(track, earlier)
 
     def _track(self, q: Array, qd: Array) -> Track:
         return Track(q, qd, self.segment, self.period)
+
+
+@dataclass(frozen=True)
+class SteadyStates(CurrentSamples):
+    """States in any order: a joint that moves has moved like this for long; of one at rest, nobody
+    knows on which side friction holds it.
+    """
+
+    def unknown_shares(self) -> Array:
+        """Return 1 for joints at rest, 0 for others, (N, n)."""
+        return (np.abs(self.qd) <= DEAD_ZONE).astype(float)
+
+    def _direction_over(self, track: Track, _: Sequence[Track]) -> Callable[[float], Array]:
+        return lambda _: np.sign(track.qd)
 
 
 def tracks(motions: Sequence[Motion], joint: int) -> list[Track]:

@@ -50,10 +50,10 @@ def with_shown_terms(samples: Sequence[JointSamples], prior: Prior) -> tuple[Pri
     parts = [*map(in_units, samples)]
     fits = fits_of(parts, prior)
     shown = Shown(prior, fits, residuals(parts, prior, fits))
-    for term in SPEED_TERMS:
+    for term in (one for one in SPEED_TERMS if one in prior.tried):
         shown = _changed_by(term, parts, shown)
     shown = _over_distance(parts, shown)
-    if all(len(np.unique(own.path)) >= MIN_PATHS for own in samples):
+    if STRIBECK in prior.tried and all(len(np.unique(own.path)) >= MIN_PATHS for own in samples):
         shown = _changed_by(STRIBECK, parts, shown)
     return shown.prior, shown.left
 

@@ -47,7 +47,7 @@ def friction_curve(model: JointFit, qd: Array, load: float) -> Array:
     return curve
 
 
-def steady_columns(terms: Sequence[str], qd: Array, direction: Array, load: float) -> Array:
+def steady_columns(terms: Sequence[str], qd: Array, direction: Array, load: float | Array) -> Array:
     """Return the columns (N, M) of friction at steady velocities (N,) [rad/s]; see `JointMotion`.
 
     direction: (N,), of dry friction, which a joint has as it begins to move, too.
@@ -70,12 +70,12 @@ def total_friction(fit: CurrentFit, load: Array) -> list[Parameter]:
     ]
 
 
-def steady_friction(model: JointFit, qd: Array, load: float) -> tuple[Array, Array]:
+def steady_friction(model: JointFit, qd: Array, load: float | Array) -> tuple[Array, Array]:
     """Return a joint's friction (V,) [Nm] at steady velocities (V,) [rad/s], and its standard
     error, which includes the deviation between days.
 
     At 0, it is the friction at which the joint begins to move forwards; load: size of the torque
-    [Nm] that its gear transmits.
+    [Nm] that its gear transmits, of all or each.
     """
     columns = steady_columns(model.terms, qd, np.where(qd < 0, -1.0, 1.0), load)
     value, error, unseen = _sums(model, columns)

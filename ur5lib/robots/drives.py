@@ -37,11 +37,11 @@ def as_counted(name: str, values: Array, arm: Robot) -> Array:
 
 
 def turns_matrix(arm: Robot) -> Array:
-    """Return the matrix (n, n) of counted rates per joint rate: N C d, or d where the controller
-    counts joint angles.
+    """Return the matrix (n, n) of counted rates per joint rate: N C d of motors, C d where the
+    controller counts coupled joint angles, d where it counts joint angles.
     """
-    turns = motor_matrix(arm) if arm.drives.positions == "motor" else np.eye(len(arm.joints))
-    return turns * directions(arm)
+    counts = {"motor": motor_matrix, "coupled": Robot.coupling_matrix, "joint": _uncoupled}
+    return counts[arm.drives.positions](arm) * directions(arm)
 
 
 def torque_matrix(arm: Robot) -> Array:
@@ -54,7 +54,7 @@ def torque_matrix(arm: Robot) -> Array:
 
 def motor_matrix(arm: Robot) -> Array:
     """Return N C (n, n), motor turns per joint turn, in the signs of the counts."""
-    return np.array(arm.gear_ratios())[:, None] * arm.coupling_matrix()
+    return np.array(arm.gear_ratios())[:, None] * _shafts(arm)
 
 
 def directions(arm: Robot) -> Array:
@@ -65,7 +65,16 @@ def directions(arm: Robot) -> Array:
 def shaft_matrix(arm: Robot) -> Array:
     """Return S = d C d (n, n): shafts turn by S q̇, in the joints' scale and signs."""
     signs = directions(arm)
-    return signs[:, None] * arm.coupling_matrix() * signs
+    return signs[:, None] * _shafts(arm) * signs
+
+
+def _shafts(arm: Robot) -> Array:
+    """Return C (n, n) of the motors' shafts, which counts that are coupled do not couple."""
+    return _uncoupled(arm) if arm.drives.positions == "coupled" else arm.coupling_matrix()
+
+
+def _uncoupled(arm: Robot) -> Array:
+    return np.eye(len(arm.joints))
 
 
 def coupled_motors(shafts: Array) -> Mask:

@@ -32,6 +32,7 @@ START_DISTANCE = max(REST_DISTANCES)  # rad; within it, friction depends on the 
 NEGLIGIBLE = 1e-3  # share of friction's direction
 # Warmth counts from this temperature.
 USUAL_TEMPERATURE = 30.0  # °C
+USUAL_AT_REST = 0.75  # share of the usual fit at rest, where one path was fitted
 
 
 @dataclass(frozen=True)
@@ -76,12 +77,14 @@ class Term:
 
     columns: function of a joint's motion that returns a column (N,) for each coefficient; expected:
     function that returns the prior standard deviation of a coefficient for a motor's largest torque
-    [Nm]; parts: names of the coefficients, () for a single one.
+    [Nm]; parts: what follows the term's name in those of its coefficients, () for a single one;
+    name: of a term that is an argument of `ur5lib.fit`.
     """
 
     columns: Callable[[JointMotion], list[Array]]
     expected: Callable[[float], float] = float
     parts: tuple[str, ...] = ()
+    name: str = ""
 
 
 BASE_TERMS = ("coulomb", "viscous", "load")
@@ -282,29 +285,48 @@ def rest_factor(qd: Array) -> Array:
     return 1 - np.abs(np.tanh(qd / DEAD_ZONE))
 
 
+def usual_at_rest(own: Array, usual: Array, qd: Array) -> Array:
+    """Return what a fit states of a motion, at rest with USUAL_AT_REST of what the usual one does.
+
+    qd: [rad/s], of the shape of both.
+    """
+    return own + USUAL_AT_REST * rest_factor(qd) * (usual - own)
+
+
 def extension_terms(shipped: Collection[str]) -> dict[str, Term]:
     """Return the terms that the workspace adds. Raises InputError where one is no friction term."""
+    return {
+        name: usable_term(source, name, term, shipped)
+        for source, name, term in additions("friction")
+    }
+
+
+def usable_term(source: str, name: str, term: object, shipped: Collection[str]) -> Term:
+    """Return a term unchanged. Raises InputError where it is no friction term; source: of it."""
     motion_at_rest = JointMotion(*np.zeros((4, 3)))
-    terms = {}
-    for source, name, term in additions("friction"):
-        place = f"{source}: {name!r}"
-        if not re.fullmatch(r"[a-z]\w*", name) or name in shipped:
-            raise InputError(f"{place} is a term of ur5lib, or no lower-case word; rename it")
-        if not isinstance(term, Term):
-            raise InputError(f"{place} is no Term; docs/extensions.md shows one")
-        try:
-            sizes = [np.shape(column) for column in term.columns(motion_at_rest)]
-        except Exception as error:  # whatever a user's code does
-            raise failed(source, error) from error
-        if sizes != [(3,)] * (len(term.parts) or 1):
-            raise InputError(
-                f"{place} gives columns of shapes {sizes} for 3 samples; return a list of one (3,) "
-                "for each of its `parts`, of one without"
-            )
-        terms[name] = term
-    return terms
+    place = f"{source}: {name!r}"
+    if not re.fullmatch(r"[a-z]\w*", name) or name in shipped:
+        raise InputError(f"{place} is a term of ur5lib, or no lower-case word; rename it")
+    if not isinstance(term, Term):
+        raise InputError(f"{place} is no Term; docs/extensions.md shows one")
+    try:
+        sizes = [np.shape(column) for column in term.columns(motion_at_rest)]
+    except Exception as error:  # whatever a user's code does
+        raise failed(source, error) from error
+    if sizes != [(3,)] * (len(term.parts) or 1):
+        raise InputError(
+            f"{place} gives columns of shapes {sizes} for 3 samples; return a list of one (3,) "
+            "for each of its `parts`, of one without"
+        )
+    return term
 
 
+def take_up(term: Term) -> None:
+    """Let fits know a term by its name. Raises InputError where it has none, or is no term."""
+    TERMS[term.name] = usable_term("terms", term.name, term, SHIPPED)
+
+
+SHIPPED = frozenset(TERMS)
 EXTENSION_TERMS = extension_terms(TERMS)
 TERMS |= EXTENSION_TERMS
 FITTED_TERMS = (*BASE_TERMS, "velocity_root", *EXTENSION_TERMS)

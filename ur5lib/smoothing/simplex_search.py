@@ -23,7 +23,7 @@ def search_together(
 
     simplex: (P + 1, P), inside the bounds, where each search starts; bounds: (P, 2); xatol, fatol:
     largest differences of points and costs within a simplex at which a search ends, as of scipy's
-    `minimize(method="Nelder-Mead")`, whose results these are to the bit.
+    `minimize(method="Nelder-Mead")`, whose results these are to the bit, without a limit of costs.
     """
     low, high = bounds.T
     searches = [_search(simplex.copy(), low, high, xatol, fatol) for _ in range(count)]
