@@ -8,11 +8,15 @@ are fitted, and what shares neither path nor day with them is judged. In contact
 sensor, and in pushes that are drawn with a seed and put onto recordings without contact: RMSE of
 the force, share of samples inside its 95 % band, the band's interval score (its width and 40 times
 what lies outside it, mean of the axes), in contact and in the whole recording, and its width;
-contacts found, and how late. Without contact: false alarms. PARTS says what stands in the place of
-a part. `--constants` takes half and twice of each constant of
-`benchmarks/harness/scaled_constants.py` instead, and prints what this changes in all studies;
-`--page` writes it into docs/methods.md. `--currents` prints what is left of the currents of paths
-and dates left out, beside plain least squares. `--quick` does the first fold alone.
+contacts found, and how late; the error of the largest force of those found, and the share in which
+it is more than a quarter too small. While nothing is found: share of samples within the band U of
+an untouched arm, where the force is below H, which may be hidden; and of missed contacts below H.
+Without contact: false alarms. PARTS says what stands in the place of a part.
+
+`--constants` takes half and twice of each constant of `benchmarks/harness/scaled_constants.py`
+instead, and prints what this changes in all studies; `--page` writes it into docs/methods.md.
+`--currents` prints what is left of the currents of paths and dates left out, beside plain least
+squares. `--quick` does the first fold alone.
 """
 
 import os
@@ -37,10 +41,11 @@ from benchmarks.harness.plain_currents import currents_table
 from benchmarks.harness.scaled_constants import changes, scaled
 from benchmarks.leave_out import Fold, Recording, Study, read_study, refusal, unseen, without_each
 from ur5lib.force import force_input, residual_model
+from ur5lib.force.alarms import largest_force
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.force_input import Gears
 from ur5lib.force.gate import diagonal
-from ur5lib.force.matching import compare
+from ur5lib.force.matching import compare, match
 from ur5lib.force.problem import fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensed_contact import contacts, in_contact
@@ -51,7 +56,7 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
 from ur5lib.tables import read_record
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.kalman import Gaussians
 from ur5lib.timeseries.metrics import NORMAL95, interval_scores
 
@@ -63,7 +68,10 @@ FIGURES = [
     "width [N]",
     "found",
     "late [s]",
+    "peaks [%], low",
+    "in U, H",
 ]
+TOO_LOW = 0.75  # of the true largest force
 COLUMNS = ["without", *FIGURES, *(f"pushes: {name}" for name in FIGURES), "false alarms a minute"]
 
 
@@ -251,11 +259,32 @@ def in_contacts(
     sums |= {"score": score[during].sum(), "whole": np.nansum(score)}
     sums |= {"width": 2 * NORMAL95 * found.std[during, :3].mean(axis=1).sum()}
     sums |= {"samples": during.sum(), "known": np.isfinite(score).sum()}
-    return sums | {
-        "contacts": matched.contacts,
-        "found": matched.found,
-        "late": matched.delays.sum(),
+    sums |= {"contacts": matched.contacts, "found": matched.found, "late": matched.delays.sum()}
+    return sums | peaks(found, size, least) | while_nothing_is_found(found, true[:, :3], during)
+
+
+def peaks(found: WrenchEstimate, size: Array, least: float) -> dict[str, float]:
+    """Sums over the contacts that are found, by the largest force, true one (N,) [N]."""
+    touched, std = contacts(size), found.std[:, :3]
+    spans = [slice(*touched[j]) for _, j in match(alarms(found.log_odds, least), touched)]
+    true = np.array([size[own].max() for own in spans])
+    stated = np.array([largest_force(found.unsmoothed[own], std[own])[0] for own in spans])
+    return {
+        "peak": true.sum(),
+        "off": (stated - true).sum(),
+        "low": (stated < TOO_LOW * true).sum(),
     }
+
+
+def while_nothing_is_found(found: WrenchEstimate, true: Array, during: Mask) -> dict[str, float]:
+    """Sums over the samples at which nothing is found, of a force (N, 3) [N] along each axis."""
+    shut = (found.hidden > 0).all(axis=1) & np.isfinite(true).all(axis=1)
+    below = shut & (np.abs(true) <= found.hidden).all(axis=1)
+    missed = shut & during
+    in_u = (np.abs(true - found.wrench[:, :3]) <= found.untouched)[below].mean(axis=1)
+    in_h = (np.abs(true) <= found.hidden)[missed].mean(axis=1)
+    sums = {"in U": in_u.sum(), "below": below.sum(), "in H": in_h.sum(), "missed": missed.sum()}
+    return {name: float(value) for name, value in sums.items()}
 
 
 def table(rows: pd.DataFrame) -> str:
@@ -268,20 +297,24 @@ def table(rows: pd.DataFrame) -> str:
     return markdown(COLUMNS, lines)
 
 
-def figures(sums: pd.DataFrame, part: str, by: str) -> list[str]:
+def figures(sums: pd.DataFrame, without: str, by: str) -> list[str]:
     """Return the cells of FIGURES; empty where there are no contacts."""
-    if (part, by) not in sums.index:
+    if (without, by) not in sums.index:
         return [""] * len(FIGURES)
-    own = sums.loc[part, by]
-    rmse, inside = np.sqrt(own["square"] / own["samples"]), own["inside"] / own["samples"]
-    late = own["late"] / own["found"] if own["found"] else np.nan
+    own = sums.loc[without, by]
+
+    def share(part: str, whole: str) -> float:
+        return own[part] / own[whole] if own[whole] else np.nan
+
     return [
-        f"{rmse:.2f}",
-        f"{inside:.3f}",
-        f"{own['score'] / own['samples']:.1f} / {own['whole'] / own['known']:.1f}",
-        f"{own['width'] / own['samples']:.1f}",
+        f"{np.sqrt(share('square', 'samples')):.2f}",
+        f"{share('inside', 'samples'):.3f}",
+        f"{share('score', 'samples'):.1f} / {share('whole', 'known'):.1f}",
+        f"{share('width', 'samples'):.1f}",
         f"{own['found']:.0f} of {own['contacts']:.0f}",
-        f"{late:.3f}",
+        f"{share('late', 'found'):.3f}",
+        f"{share('off', 'peak'):+.1%}, {share('low', 'found'):.2f}",
+        f"{share('in U', 'below'):.3f}, {share('in H', 'missed'):.3f}",
     ]
 
 

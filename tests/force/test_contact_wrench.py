@@ -23,6 +23,7 @@ from ur5lib.force.contact_wrench import (
     contact_wrench,
     learned_size,
     least_squares_wrench,
+    regularised_wrench,
     static_wrench,
     torque_std,
 )
@@ -64,6 +65,19 @@ def test_least_squares_are_the_normal_equations(ur5: Robot) -> None:
         covariance = np.linalg.inv(columns.T @ columns)
         np.testing.assert_allclose(plain.variance[t, :3], np.diag(covariance))
     assert (plain.mean[:, 3:] == 0).all()
+
+
+def test_an_axis_that_no_torque_shows_keeps_its_whole_prior(ur5: Robot) -> None:
+    """The learnt size is that of the others; along them, a part of what it leaves counts."""
+    torque, J, noise = contact(ur5, np.array([10.0, 20, 0, 0, 0, 0]), seed=5)
+    J[:, 2] = 0.0
+    size = learned_size(torque, J, noise, WORTH, LOSSLESS)
+    told = contact_wrench(torque, J, noise, WORTH, LOSSLESS)
+    np.testing.assert_allclose(told.variance[:, 2], size[2, 2])
+    noisy = regularised_wrench(torque, J, noise, size).covariance
+    lever = replace(LOSSLESS, lever=1e-9)
+    own = contact_wrench(torque, J, noise, WORTH, lever).variance
+    assert (own[:, :2] < np.linalg.diagonal(noisy)[:, :2]).all()
 
 
 def test_load_friction_widens_the_band_in_proportion(ur5: Robot) -> None:

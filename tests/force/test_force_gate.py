@@ -331,7 +331,7 @@ def test_a_gap_is_a_new_recording(ur5: Robot) -> None:
     segment = np.repeat([0, 1], [count // 2, count - count // 2])
     both, half = touched.estimate(segment=segment), slice(count // 2, None)
     alone = Free(*(values[half] for values in vars(touched).values())).estimate()
-    for name in StretchEstimate._fields:
+    for name in {*StretchEstimate._fields} - {"link", "off_flange"}:  # told in contacts alone
         own, expected = getattr(both, name)[half], getattr(alone, name)
         np.testing.assert_allclose(own, expected, err_msg=name)
 
@@ -356,7 +356,7 @@ def test_where_the_pose_is_unknown_nothing_is_told(ur5: Robot) -> None:
     J = run.jacobian.copy()
     J[100:110] = np.nan
     estimate = replace(run, jacobian=J).estimate()
-    for name in StretchEstimate._fields:
+    for name in {*StretchEstimate._fields} - {"link", "off_flange"}:  # told in contacts alone
         values = getattr(estimate, name)
         unknown = np.isnan(values.reshape(len(values), -1)).all(axis=1)
         np.testing.assert_array_equal(np.flatnonzero(unknown), np.arange(100, 110))

@@ -6,13 +6,25 @@ import numpy as np
 import pytest
 
 from tests.made_up_torques import MODEL, free_run
+from ur5lib.force.while_shut import usual_limits
 from ur5lib.force.wrench_estimate import WrenchEstimate
+from ur5lib.records.forces import Forces
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Mask
 from ur5lib.timeseries.metrics import NORMAL95
 
 WAYS = [way / np.linalg.norm(way) for way in np.random.default_rng(5).normal(size=(4, 3))]
 PRESS = 25.0  # N
+
+
+def test_limits_are_medians_where_no_contact_is_found() -> None:
+    """Of the largest axis; nothing is told without such samples."""
+    time, shut = np.arange(5.0), np.array([True, True, True, False, True])
+    limit = np.array([[1.0, 2.0, 3.0], [9.0, 4.0, 4.0], [5.0, 5.0, 5.0], [0, 0, 0], [np.nan] * 3])
+    known = {name: k * limit for k, name in enumerate(("untouched", "hidden", "hidden_at_all"), 1)}
+    forces = Forces(time=time, segment=np.zeros(5, int), if_untouched=shut, **known)
+    assert usual_limits(forces) == {"untouched_n": 5.0, "hidden_n": 10.0, "hidden_at_all_n": 15.0}
+    assert usual_limits(replace(forces, if_untouched=np.zeros(5, bool))) == {}
 
 
 def shut(estimate: WrenchEstimate) -> Mask:
@@ -36,6 +48,7 @@ def test_the_statements_are_ordered(ur5: Robot, moving: bool) -> None:
     assert (estimate.untouched <= band(estimate) + 1e-9).all()
     assert (estimate.hidden[~free] == 0).all()
     assert (estimate.hidden[free] > 0).all()
+    assert (estimate.hidden_at_all >= estimate.hidden).all()
     if moving:
         np.testing.assert_array_equal(estimate.hidden, estimate.hidden_at_all)
 
@@ -63,6 +76,18 @@ def test_what_presses_since_before_a_rest_widens_what_may_be_hidden_at_all_alone
     np.testing.assert_allclose(own.std, alone.std, rtol=0.25)
     assert own.hidden_at_all.mean() > 1.2 * alone.hidden_at_all.mean()
     assert (np.abs(force) <= own.hidden_at_all).mean() > 0.75
+
+
+def test_a_short_rest_has_no_beginning_to_compare_with(ur5: Robot) -> None:
+    """What presses all of it may be hidden as what began before."""
+    runs = [free_run(ur5, seed=34, seconds=own, moving=False) for own in (1.9, 20.0)]
+    short, long = (
+        run.pushed(run.wrench(np.tile(PRESS * WAYS[1], (len(run.time), 1)))).estimate()
+        for run in runs
+    )
+    assert shut(short).all()
+    np.testing.assert_allclose(short.hidden, short.hidden_at_all)
+    assert long.hidden.mean() < 0.8 * long.hidden_at_all.mean()
 
 
 def test_a_force_is_averaged_longer_where_few_paths_were_fitted(ur5: Robot) -> None:

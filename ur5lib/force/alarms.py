@@ -38,8 +38,9 @@ class Alarm:
     force_std: that force (3,) [N], base axes, and its standard deviation; largest, largest_band:
     the largest size of the force before it is averaged, and half of its 95 % band [N]; q: joints
     then (n,) [rad]; flange_speed: mean during the alarm [m/s]; kind: contact or grasped load;
-    load_mass, load_mass_std: [kg], None for a contact; off_flange: whether the torques exclude a
-    contact at the flange; at_sensor: whether it overlaps a touch at the force sensor, None without
+    load_mass, load_mass_std: [kg], None for a contact; link: the likeliest, from 1, None at
+    rest; off_flange_probability: that it is not the last one, off_flange: whether that is
+    likely; at_sensor: whether it overlaps a touch at the force sensor, None without
     a sensor.
     """
 
@@ -55,6 +56,8 @@ class Alarm:
     kind: Literal["contact", "load"] = "contact"
     load_mass: float | None = None
     load_mass_std: float | None = None
+    link: int | None = None
+    off_flange_probability: float | None = None
     off_flange: bool = False
     at_sensor: bool | None = None
 

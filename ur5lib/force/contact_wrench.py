@@ -20,7 +20,8 @@ STATIC_LEVER = 0.1  # m; the prior's moment is its force at this lever
 # The typical covariance, times this, counts as one sample: with 1, small changes decide.
 TYPICAL_SIZE_WEIGHT = 2.0
 EM_ROUNDS = 15  # expectation-maximisation has this many rounds; most contacts converge in ten
-# Of the deviation that the prior leaves, as the size that is learnt contains the torques' error.
+# Of the deviation that the prior leaves where torques show a force: its learnt size contains their
+# error.
 PRIOR_SHARE = 0.8
 UNRESOLVED_LEVER = 0.05  # m; stated moments err by the force times this lever
 
@@ -103,9 +104,11 @@ def contact_wrench(
     size = learned_size(torque, jacobian, noise, worth, prior)
     # F = P J (Jᵀ P J + S)⁻¹ τ
     estimate = regularised_wrench(torque, jacobian, noise, size)
-    # torque noise, load friction, and a moment that is taken for a force
+    # torque noise, what the prior leaves, load friction, and a moment that is taken for a force
     noisy = np.linalg.diagonal(estimate.gain @ noise @ estimate.gain.mT)
-    variance = noisy + PRIOR_SHARE**2 * (np.linalg.diagonal(estimate.covariance) - noisy)
+    left = np.linalg.diagonal(estimate.covariance) - noisy
+    unseen = left / np.diagonal(size)  # 1 along an axis that no torque shows
+    variance = noisy + (PRIOR_SHARE**2 + (1 - PRIOR_SHARE**2) * unseen) * left
     variance = variance + _lever_variance(estimate, jacobian, prior)
     variance = variance + _load_friction_variance(estimate, jacobian, prior)
     # torques barely distinguish a moment from a force

@@ -69,6 +69,8 @@ def contact_rows(estimate: str, alarms: Iterable[Alarm], is_free: bool) -> Itera
             load_mass=alarm.load_mass,
             load_mass_std=alarm.load_mass_std,
             off_flange=alarm.off_flange,
+            link=alarm.link,
+            off_flange_probability=alarm.off_flange_probability,
         )
 
 

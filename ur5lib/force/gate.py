@@ -109,7 +109,8 @@ class Observations:
 
     torque: external (N, n) [Nm], NaN where it or the arm's pose is unknown; jacobian: (N, 6, n), 0
     where the pose is unknown; posed: which samples have a pose (N,); states: (N, n), of `model`;
-    period: [s]; gears: without friction where joints rest.
+    period: [s]; gears: without friction where joints rest; frames: rotations and origins of the
+    links' frames, from where contacts are assumed; None: contacts are on the last link.
     """
 
     torque: Array
@@ -121,6 +122,7 @@ class Observations:
     model: ResidualModel
     prior: ContactPrior
     gears: Gears
+    frames: tuple[Array, Array] | None = None
 
     @classmethod
     def of(

@@ -18,6 +18,8 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.quality import Contradictions
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 
 
@@ -35,10 +37,17 @@ class Problem(NamedTuple):
         return used_rows(self.input.segment, self.input.period, self.model.cutoff)
 
     def solve(
-        self, jacobian: Array, prior: ContactPrior, place: Array | None = None
+        self,
+        jacobian: Array,
+        prior: ContactPrior,
+        place: Array | None = None,
+        arm: Robot | None = None,
     ) -> WrenchEstimate:
-        """Return the contact wrench; arguments as of `estimate_wrench`, at `rows`."""
-        return estimate_wrench(self.input, jacobian, self.model, prior, place)
+        """Return the contact wrench; arguments as of `estimate_wrench`, at `rows`; arm: whose links
+        may be touched in motion, None: the last one alone.
+        """
+        frames = None if arm is None else link_frames(arm, self.input.q[self.rows])
+        return estimate_wrench(self.input, jacobian, self.model, prior, place, frames)
 
     def contact_log_odds(self, added: Array, jacobian: Array, prior: ContactPrior) -> list[Array]:
         """Return only the log-odds (N,) of contact, with each of some additional external torques

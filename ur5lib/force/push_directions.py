@@ -1,14 +1,19 @@
-"""The smallest push that is detected in each direction, at four postures of an arm's motion."""
+"""The smallest push that is detected in each direction, at postures of an arm."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from ur5lib.force.external_torque import JointState
+from ur5lib.force.gate import TorqueVariances
+from ur5lib.force.residual_model import ResidualModel
 from ur5lib.force.trial_contacts import Untouched, trial_pushes, unit_along
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.motion import Motion
-from ur5lib.records.pushes import SPEEDS, PushDirection
+from ur5lib.records.pushes import SPEEDS, YOURS, PushDirection
+from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import flange_kinematics
 from ur5lib.timeseries.arrays import Array
 
 PLANES = {"horizontal": (0, 1), "vertical": (0, 2)}  # their axes of the base
@@ -18,9 +23,9 @@ ANGLES = np.arange(0.0, 360.0, 5.0)  # °, from the first axis of a plane
 class Place(NamedTuple):
     """A time and posture of a trial push.
 
-    recording: its name; time: [s]; q: joints (n,) [rad]; flange: (3,) [m], in the base; motion:
-    name of the arm's motion then; information: A (3, 3) [1/N²], Fᵀ A F is the squared size of a
-    force in standard deviations of the torques.
+    recording: its name, "" of the user's own; time: [s]; q: joints (n,) [rad]; flange: (3,) [m], in
+    the base; motion: name of the arm's motion then; information: A (3, 3) [1/N²], Fᵀ A F is the
+    squared size of a force in standard deviations of the torques.
     """
 
     recording: str
@@ -73,21 +78,37 @@ def places_of(name: str, run: Untouched, motion: Motion, kinematics: Kinematics)
             yield Place(name, *at, motion_at(speed), information)
 
 
+def at_rest(arm: Robot, posture_deg: Sequence[float], model: ResidualModel) -> Place:
+    """Return the place of an arm that rests in a posture [°]."""
+    q = np.radians([posture_deg])
+    _, flange, jacobian = flange_kinematics(arm, q)
+    still = np.full(q.shape, JointState.STILL)
+    hiding = TorqueVariances.of(still, model, np.zeros_like(q)).hiding()
+    felt = jacobian[0, :3] / hiding @ jacobian[0, :3].T  # J S⁻¹ Jᵀ
+    return Place("", float("nan"), q[0], flange[0], motion_at(0.0), felt)
+
+
 def motion_at(speed: float) -> str:
     """Return the name of the motion (rest, slow, fast) of a flange with a speed [m/s]."""
     return SPEEDS[max(least for least in SPEEDS if least <= speed)]
 
 
 def push_directions(
-    places: list[Place], needed: Mapping[str, Needed], felt: float, most: float
+    places: list[Place],
+    needed: Mapping[str, Needed],
+    felt: float,
+    most: float,
+    yours: Place | None = None,
 ) -> Iterator[PushDirection]:
-    """Yield the push that is found, by direction in each plane, at each of POSTURES.
+    """Yield the push that is found, by direction in each plane, at each of POSTURES, and at the
+    user's own.
 
     needed: the push that is found, and its standard error, in standard deviations of the force, by
     motion; places in another motion are ignored. No push is stated where two standard deviations
     exceed `felt` [N], or where it exceeds `most`, the largest trial [N].
     """
-    for posture, place in postures(places, needed):
+    own = [(YOURS, yours)] if yours is not None and yours.motion in needed else []
+    for posture, place in [*postures(places, needed), *own]:
         for plane, axes in PLANES.items():
             units = unit_along(place.information, directions(axes))
             for angle, unit in zip(ANGLES, units, strict=True):
@@ -96,7 +117,7 @@ def push_directions(
                 yield PushDirection(
                     posture=posture,
                     recording=place.recording,
-                    time_s=float(place.time),
+                    time_s=float(place.time) if place.recording else None,
                     posture_deg=" ".join(f"{joint:z.1f}" for joint in np.degrees(place.q)),
                     motion=place.motion,
                     plane=plane,

@@ -1,7 +1,7 @@
 """Statistics of the external torque without contact: a slow background and a fast error."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -148,12 +148,13 @@ class Residuals:
     """The residual model of an arm's external torque, tau_ext, None where it has none.
 
     refused: why there is none although friction was fitted; remarks: what the fit recordings do not
-    show.
+    show; contacts: from and to [s], by recording, that hide in these and were left out.
     """
 
     tau_ext: ResidualModel | None = None
     refused: Remark | None = None
     remarks: tuple[Remark, ...] = ()
+    contacts: Mapping[str, list[tuple[float, float]]] = field(default_factory=dict)
 
 
 def fit_residual_model(

@@ -2,7 +2,7 @@
 and how large a contact could be hidden.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,12 +15,16 @@ from ur5lib.force.missed_contacts import (
     mixture_std,
     probability_while_shut,
 )
+from ur5lib.records.forces import Forces
 from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import spans
 
 # The mean background of a rest's first part stands for that before a press; s.
 REFERENCE_DURATION = 1.0
+# Not at all in rests of up to the first duration, whose beginning a press may fill; wholly from the
+# second on; s.
+SHORT_REST, LONG_REST = 2.0, 6.0
 NORMAL99 = 2.576  # this many standard deviations to either side of the mean contain 99 %
 
 
@@ -56,7 +60,7 @@ def while_shut(
     free = np.diagonal(observations.quiet)
     mixture = mixture_std(np.maximum(probability, contact_probability[:, None]), missed, free)
     press = _slow_press(observations, _since_rest(observations, background))
-    at_all = _slow_press(observations, background)
+    at_all = np.maximum(np.abs(press), np.abs(_slow_press(observations, background)))
     std = np.hypot(mixture, model.doubt * press)
     resting = noise.still.all(axis=1, keepdims=True)
     return WhileShut(
@@ -67,6 +71,20 @@ def while_shut(
         hidden_at_all=NORMAL99 * np.hypot(np.sqrt(missed), model.doubt * at_all)[:, :3],
         press=press,
     )
+
+
+def usual_limits(forces: Forces) -> dict[str, Any]:
+    """Return, as columns of `Detection`, what is stated at most samples without a contact: medians
+    [N] of the largest axis; empty where nothing is stated.
+    """
+    stated = forces.untouched, forces.hidden, forces.hidden_at_all
+    names = "untouched_n", "hidden_n", "hidden_at_all_n"
+    return {
+        name: float(np.median(limit[shut].max(axis=1)))
+        for name, limit in zip(names, stated, strict=True)
+        if limit is not None and forces.if_untouched is not None
+        if (shut := forces.if_untouched & np.isfinite(limit).all(axis=1)).any()
+    }
 
 
 def _fast_error(observations: Observations) -> Array:
@@ -82,12 +100,16 @@ def _fast_error(observations: Observations) -> Array:
 
 
 def _since_rest(observations: Observations, background: Array) -> Array:
-    """Return the change (n, joints) [Nm] of the background since the whole arm came to rest."""
+    """Return the change (n, joints) [Nm] of the background since the whole arm came to rest; of a
+    short rest, the whole background.
+    """
     resting = is_still(observations.states) & observations.posed
     samples = max(1, round(REFERENCE_DURATION / observations.period))
     changed = background.copy()
     for first, last in spans(resting.astype(float), 0.5, 0.5):
-        changed[first:last] -= background[first : min(first + samples, last)].mean(axis=0)
+        duration, beginning = (last - first) * observations.period, slice(first, first + samples)
+        share = np.interp(duration, (SHORT_REST, LONG_REST), (0.0, 1.0))
+        changed[first:last] -= share * background[beginning].mean(axis=0)
     return changed
 
 

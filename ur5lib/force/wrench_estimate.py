@@ -29,6 +29,7 @@ from ur5lib.force.gate import (
     log_odds,
 )
 from ur5lib.force.residual_model import ResidualModel
+from ur5lib.force.touched_link import Samples, touched
 from ur5lib.force.while_shut import while_shut
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.kalman import Gaussians
@@ -48,6 +49,8 @@ FEW_PATHS_SMOOTHING_PERIODS = 0.4
 # it is given back, and this one is in the band.
 PRESS_AS_FORCE = 0.3
 PRESS_AS_DOUBT = 0.25
+MOST = 0.5  # of a contact, with the arm at rest: its link is unknown
+LinkFrames = tuple[Array, Array]  # rotations (M, n + 1, 3, 3), origins (M, n + 1, 3) [m]
 
 
 class StretchEstimate(NamedTuple):
@@ -65,6 +68,8 @@ class StretchEstimate(NamedTuple):
     background: Array
     least_squares: Array
     least_squares_std: Array
+    link: Array
+    off_flange: Array
 
 
 class AtAllSamples:
@@ -106,10 +111,11 @@ class WrenchEstimate:
     in `WhileShut`; in contacts, half of the 95 % band, and zero. log_odds: (N,), of contact,
     given all samples; background: (N, n) [Nm], slow part of the external torque; least_squares,
     least_squares_std: (N, 6) [N, Nm], the wrench of the same contacts without a prior: NaN in them
-    where the torque is unknown, zero elsewhere. NaN where the arm's pose is unknown. Each quantity
-    is interpolated when it is asked for: those of a long recording take a gigabyte together.
-    stretches: parts without a gap, each with its rows and its estimate at every n-th of these;
-    every: n.
+    where the torque is unknown, zero elsewhere. link, off_flange: (N,), the likeliest link of a
+    contact in motion, from 1, and the probability that it is not the last one; NaN elsewhere. NaN
+    where the arm's pose is unknown. Each quantity is interpolated when it is asked for: those of a
+    long recording take a gigabyte together. stretches: parts without a gap, each with its rows and
+    its estimate at every n-th of these; every: n.
     """
 
     stretches: list[tuple[slice, StretchEstimate]]
@@ -124,6 +130,8 @@ class WrenchEstimate:
     background = AtAllSamples()
     least_squares = AtAllSamples()
     least_squares_std = AtAllSamples()
+    link = AtAllSamples()
+    off_flange = AtAllSamples()
 
 
 def used_rows(segment: Labels, period: float, cutoff: float) -> Labels:
@@ -142,18 +150,25 @@ def estimate_wrench(
     model: ResidualModel,
     prior: ContactPrior,
     place: Array | None = None,
+    frames: LinkFrames | None = None,
 ) -> WrenchEstimate:
     """Return the contact wrench of a run, each part without a gap estimated from all of its samples
     (offline).
 
     run: with a low-passed torque, and states of `model`; unknown friction of its gears counts as
     none; jacobian: (M, 6, n), at `used_rows`, NaN where the arm's pose is unknown; place: (M, 3)
-    [m], where contacts are assumed, from the origin of frame 6, base axes; None for that origin.
+    [m], where contacts are assumed, from the origin of frame 6, base axes; None for that origin;
+    frames: rotations (M, n + 1, 3, 3) and origins (M, n + 1, 3) [m] of frames 0 to n, with which
+    contacts in motion may be on any link; None for the last one.
     """
     place = np.zeros((len(jacobian), 3)) if place is None else place
     estimates, start = [], 0
     for rows, observations in _thinned(run, jacobian_at(jacobian, place), model, prior):
         end = start + len(observations.torque)
+        if frames is not None:
+            rotation, origin = (own[start:end] for own in frames)
+            seen = origin - (origin[:, -1] + place[start:end])[:, None]
+            observations = replace(observations, frames=(rotation, seen))
         estimate = _at_flange(_estimate(observations), place[start:end])
         start = end
         for quantity in estimate:
@@ -200,7 +215,7 @@ def _estimate(observations: Observations) -> StretchEstimate:
     contacts = contact_spans(probability, period)
     inside = inside_spans(contacts, len(torque))
     likely = np.where(inside, np.maximum(probability, MIN_PROBABILITY_INSIDE), probability)  # (n,)
-    map_estimate, least_squares = _in_contacts(observations, contacts, background)
+    map_estimate, least_squares, where = _in_contacts(observations, contacts, background)
     shut = while_shut(observations, background.mean, probability, inside)
     std = np.hypot(
         std_in_contact(likely, map_estimate, model.doubt, shut.std),
@@ -221,13 +236,17 @@ def _estimate(observations: Observations) -> StretchEstimate:
         background=background.mean,
         least_squares=least_squares.mean,
         least_squares_std=np.sqrt(least_squares.variance),
+        link=where[:, 0],
+        off_flange=where[:, 1],
     )
 
 
 def _in_contacts(
     observations: Observations, contacts: Iterable[Span], background: Gaussians
-) -> tuple[ContactWrench, ContactWrench]:
-    """Return F̂ᵐᵃᵖ of each contact, and least squares without a prior; zero outside contacts."""
+) -> tuple[ContactWrench, ContactWrench, Array]:
+    """Return F̂ᵐᵃᵖ of each contact, and least squares without a prior, zero outside contacts; and
+    the likeliest link with the probability of those before the last (n, 2), NaN elsewhere.
+    """
     torque, noise, model = observations.torque, observations.noise, observations.model
     # Jᵀ F = what gears and dry friction leave of it, τ - b, put right, and its variances
     carried, share = observations.gears.contact_torque(torque - background.mean)
@@ -240,13 +259,27 @@ def _in_contacts(
         prior = replace(prior, load_friction=0.0)
     lossy = replace(prior, load_friction=np.hypot(prior.load_friction, model.constants_doubt))
     map_estimate, least_squares = (ContactWrench(*np.zeros((2, len(torque), 6))) for _ in range(2))
+    where = np.full((len(torque), 2), np.nan)
     for span in contacts:
         part = slice(*span)
         samples = carried[part], observations.jacobian[part], covariance[part]
         posterior_wrench = contact_wrench(*samples, observations.worth, lossy)
+        if observations.frames is not None and moves(noise.still[part]):
+            frames = (own[part] for own in observations.frames)
+            on_arm = Samples(carried[part], covariance[part], *frames)
+            if (found := touched(on_arm, posterior_wrench, prior)) is not None:
+                posterior_wrench, where[part] = found.wrench, (found.link, found.off_flange)
         map_estimate.mean[part], map_estimate.variance[part] = posterior_wrench
         least_squares.mean[part], least_squares.variance[part] = least_squares_wrench(*samples)
-    return map_estimate, least_squares
+    return map_estimate, least_squares, where
+
+
+def moves(still: Mask) -> bool:
+    """Return whether the arm moves for most of a contact; still: as of `TorqueVariances` (n, k).
+
+    At rest, friction keeps what the wrist carries, so that any contact looks like one before it.
+    """
+    return bool(still.all(axis=1).mean() < MOST)
 
 
 def _rest_samples(observations: Observations) -> float:
