@@ -23,7 +23,8 @@ from unittest.mock import patch
 import numpy as np
 import pandas as pd
 
-from benchmarks.harness.markdown import folded, markdown, write_page
+from benchmarks import stand_and_arms
+from benchmarks.harness.markdown import folded, markdown, read_page, section, write_page
 from benchmarks.harness.options import options_of
 from benchmarks.harness.situations import SITUATIONS, Situation, plans
 from benchmarks.study import snakemake
@@ -98,7 +99,9 @@ def main() -> None:
     found = table(pd.DataFrame(rows))
     print(found)
     if given.page:
-        write_page(f"{HEAD.format(seeds=given.seeds)}{folded('world', found)}\n", PAGE)
+        beside = section(read_page(PAGE), stand_and_arms.TITLE)
+        head = HEAD.format(seeds=given.seeds)
+        write_page(f"{head}{folded('world', found)}\n\n{beside}", PAGE)
 
 
 def judged(name: str, seed: int) -> list[dict[str, Any]]:

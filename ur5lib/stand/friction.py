@@ -75,7 +75,9 @@ class FrictionParameters:
         coulomb = self.coulomb * (1 + self.coulomb_warming * warmth)
         return coulomb * (1 + stribeck) + self.load * np.abs(load)
 
-    def changed(self, coulomb: Sequence[float] | float, viscous: Sequence[float] | float) -> Self:
+    def changed(
+        self, coulomb: Array | Sequence[float] | float, viscous: Array | Sequence[float] | float
+    ) -> Self:
         """Return the friction with factors on Coulomb and viscous friction, (n,) or one for all."""
         return replace(
             self,

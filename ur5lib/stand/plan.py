@@ -286,6 +286,11 @@ class SimulatedRecording(Planned):
         description="whether friction also grows with the root of velocity, as on the UR5 of the "
         "thesis",
     )
+    varied_friction: bool = Field(
+        False,
+        description="whether friction varies as on real arms: from recording to recording, from "
+        "stop to stop, during a rest, and with the place of loaded gears",
+    )
     coulomb_factor: Factors | None = Field(
         None,
         description="each joint's Coulomb friction, relative to the usual one, which the "

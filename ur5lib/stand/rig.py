@@ -20,6 +20,7 @@ from ur5lib.stand.friction import (
 )
 from ur5lib.stand.plan import Imu, SimulatedRecording
 from ur5lib.stand.trajectories import Targets, plan_targets
+from ur5lib.stand.varied_friction import run_factors, varied_torque
 from ur5lib.timeseries.arrays import Array
 
 STEP = 0.001  # s; of the integration
@@ -130,7 +131,7 @@ def arm_in_mujoco(robot: Robot, model: str, imu: Imu | None) -> mujoco.MjModel:
 def build_rig(
     robot: Robot, plan: SimulatedRecording, random: np.random.Generator, declare: bool = True
 ) -> Rig:
-    """Return the arm of a plan; random: generator of the initial friction.
+    """Return the arm of a plan; random: generator of what friction varies by.
 
     declare: whether the controller knows the plan's `payload`; it never knows its
     `undeclared_payload`. Raises InputError when the arm has no such link model or another number of
@@ -147,6 +148,7 @@ def build_rig(
     friction = usual.changed(plan.coulomb_factor or 1.0, plan.viscous_factor or 1.0)
     most = MAX_INITIAL_FRICTION
     initial = random.uniform(-most, most, len(robot.joints))
+    run = run_factors(len(initial), random) if plan.varied_friction else np.ones(len(initial))
     return Rig(
         robot=loaded,
         model=model,
@@ -156,7 +158,7 @@ def build_rig(
         nominal_data=mujoco.MjData(nominal),
         declared=declared,
         friction=friction,
-        friction_state=BristleFriction(friction, initial),
+        friction_state=BristleFriction(friction.changed(run, run), initial),
         drive=drive_of(robot, usual),
         contacts=Contacts(plant, plan.contacts),
     )
@@ -195,6 +197,11 @@ def perform(
     for step in range(-SETTLING_STEPS, len(time)):
         now = max(step, 0)  # while the arm settles, the first target applies
         mover.step(target_rows[now], warmth[now], rows[now])
+    if plan.varied_friction:
+        load = states["motor_torque"] - states["friction_torque"]
+        more = varied_torque(states["q"], states["qd"], load, rig.friction, STEP, random)
+        states["motor_torque"] += more
+        states["friction_torque"] += more
     return Experiment(rig, plan, states, targets)
 
 
