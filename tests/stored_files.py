@@ -1,7 +1,7 @@
 """Recordings written as files that hold arrays: HDF5, MAT, bags, Parquet, Feather, text."""
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,14 +9,16 @@ import h5py
 import numpy as np
 import pandas as pd
 import scipy.io
+import yaml
 from rosbags.rosbag1 import Writer as Ros1Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Ros2Writer
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from tests.entries import read_recording
 from tests.synthetic import write_recording
 from ur5lib.channels import SIX_SUFFIXES, SUFFIXES
+from ur5lib.recordings.rosbag import DEFINITIONS
 
 Channels = dict[str, np.ndarray]  # (n, k) by channel of RTDE
 Made = tuple[np.ndarray, Channels]  # time (n,) [s], and channels
@@ -147,14 +149,87 @@ def write_bag(
         shutil.rmtree(folder)
 
 
-def entry_of(format: str, path: Path, names: Sequence[str]) -> dict[str, Any]:
-    """The entry of a study for a file written here."""
+def write_echo(path: Path, time: np.ndarray, channels: Channels) -> None:
+    """What `ros2 topic echo` prints of JointState."""
+    effort = next(iter(channels.keys() - {"actual_q", "actual_qd", "actual_TCP_pose"}), None)
+    fields = {"position": "actual_q", "velocity": "actual_qd", "effort": effort or ""}
+    with path.open("w") as file:
+        for k, now in enumerate(time):
+            stamp = dict(zip(("sec", "nanosec"), divmod(round(1e9 * now), 10**9), strict=True))
+            rows = {n: channels[own][k].tolist() for n, own in fields.items() if own in channels}
+            header = {"stamp": stamp, "frame_id": "base"}
+            yaml.safe_dump({"header": header, "name": JOINTS} | rows, file, sort_keys=False)
+            file.write("---\n")
+
+
+def write_dynamic(path: Path, time: np.ndarray, channels: Channels) -> None:
+    """An MCAP file of DynamicJointState, with an input of the arm beside its joints."""
+    effort = next(iter(channels.keys() - {"actual_q", "actual_qd", "actual_TCP_pose"}), "")
+    named = {"effort": effort, "position": "actual_q", "velocity": "actual_qd"}
+    fields = {name: channels[own] for name, own in named.items() if own in channels}
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    for kind, text in DEFINITIONS.items():
+        store.register(get_types_from_msg(text, kind))
+    values, states = (store.types[kind] for kind in DEFINITIONS)
+    header, stamp = (store.types[k] for k in ("std_msgs/msg/Header", "builtin_interfaces/msg/Time"))
+
+    def messages() -> Iterator[tuple[str, float, Any]]:
+        for k, now in enumerate(time):
+            head = header(stamp(*divmod(round(1e9 * now), 10**9)), "")
+            joints = [np.array([rows[k, j] for rows in fields.values()]) for j in range(6)]
+            parts = [values(["speed"], np.ones(1)), *(values([*fields], own) for own in joints)]
+            yield "/dynamic_joint_states", now, states(head, ["gpio", *JOINTS], parts)
+
+    _write_mcap(path, store, messages())
+
+
+def write_outputs(path: Path, time: np.ndarray, channels: Channels) -> None:
+    """An MCAP file with a topic for each channel, of arrays without stamp, and their clock."""
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    types = store.types
+    layout = types["std_msgs/msg/MultiArrayLayout"]([], 0)
+
+    def messages() -> Iterator[tuple[str, float, Any]]:
+        for k, now in enumerate(time):
+            stamp = divmod(round(1e9 * now), 10**9)
+            yield "/timestamp", now, types["builtin_interfaces/msg/Time"](*stamp)
+            for place, (name, rows) in enumerate(channels.items()):
+                numbers = types["std_msgs/msg/Float64MultiArray"](layout, np.array(rows[k]))
+                yield f"/{name}", now + 1e-5 * place, numbers
+
+    _write_mcap(path, store, messages())
+
+
+def _write_mcap(path: Path, store: Any, messages: Iterator[tuple[str, float, Any]]) -> None:
+    """An MCAP file without its folder: topic, time of receipt [s] and content of each message."""
+    folder, topics = path.with_suffix(".folder"), dict[str, Any]()
+    with Ros2Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as bag:
+        for topic, received, message in messages:
+            kind = message.__msgtype__
+            if topic not in topics:
+                topics[topic] = bag.add_connection(topic, kind, typestore=store)
+            bag.write(topics[topic], round(1e9 * received), store.serialize_cdr(message, kind))
+    next(file for file in folder.iterdir() if file.suffix == path.suffix).rename(path)
+    shutil.rmtree(folder)
+
+
+TOPICS = {
+    "rosbag": "/joint_states/",
+    "dynamic": "/dynamic_joint_states/",
+    "ros-echo": "joint_states/",
+}
+
+
+def entry_of(format: str, path: Path, names: Sequence[str], kind: str = "") -> dict[str, Any]:
+    """The entry of a study for a file written here; kind: of a bag, if not of JointState."""
     prefix = "run/" if format in ("hdf5", "mat") else ""
     suffix = ".txt" if format == "channel-files" else ""
     channels = {name: f"{prefix}{name}{suffix}" for name in ["time", *names]}
-    if format == "rosbag":
+    if topic := TOPICS.get(kind or format):
         fields = {"time": "stamp", "actual_q": "position", "actual_qd": "velocity"}
-        channels = {n: f"/joint_states/{fields.get(n, 'effort')}" for n in ["time", *names]}
+        channels = {n: topic + fields.get(n, "effort") for n in ["time", *names]}
+    if kind == "outputs":
+        channels = {"time": "/timestamp"} | {name: f"/{name}" for name in names}
     whole = {"format": format, "folder": str(path.parent), "file": path.name, "channels": channels}
     if format == "channel-files":
         whole |= {"folder": str(path)}
@@ -173,13 +248,18 @@ WRITERS: dict[str, tuple[str, Callable[..., None]]] = {  # file, and how it is w
     "rosbag": ("run.db3", write_bag),
     "rosbag mcap": ("run.mcap", write_bag),
     "rosbag 1": ("run.bag", write_bag),
+    "rosbag dynamic": ("dynamic.mcap", write_dynamic),
+    "rosbag outputs": ("outputs.mcap", write_outputs),
+    "ros-echo": ("run.yaml", write_echo),
 }
 
 
 def write(kind: str, folder: Path, time: np.ndarray, channels: Channels) -> dict[str, Any]:
     """Write a recording and return its entry; a bag holds positions, velocities and one effort."""
     name, writer = WRITERS[kind]
-    if kind.startswith("rosbag"):
+    if kind.startswith("ros"):
         channels = {n: channels[n] for n in ("actual_q", "actual_qd", "actual_current")}
     writer(folder / name, time, channels)
-    return entry_of(kind.split(" ")[0], folder / name, [*channels])
+    format, _, of_bag = kind.partition(" ")
+    own = of_bag if of_bag in ("dynamic", "outputs") else ""
+    return entry_of(format, folder / name, [*channels], own)

@@ -216,11 +216,13 @@ def full_disk() -> Iterator[None]:
 @example(["nan", "null", "NA", "None"])
 @example(["1e5", "1", "007"])
 @example(["True", "false"])
+@example(["false"])  # the only kind of alarm of a study
 def test_names_come_back_as_they_are(names: list[str]) -> None:
     with TemporaryDirectory() as folder:
-        write_csv(pd.DataFrame({"recording": names, "mae": np.nan}), Path(folder, "mae.csv"))
+        table = pd.DataFrame({"recording": names, "kind": names, "mae": np.nan})
+        write_csv(table, Path(folder, "mae.csv"))
         found = read_csv(Path(folder, "mae.csv"))
-    assert [*found["recording"]] == names
+    assert [*found["recording"]] == [*found["kind"]] == names
     assert found["mae"].isna().all()
 
 

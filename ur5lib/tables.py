@@ -41,7 +41,7 @@ FIRST_HALF = re.compile(r"_[0-2]$|_F[xyz]$")
 # These columns may have any text, or numbers of joints with blanks between them.
 NAMES = (
     *("study", "recording", "robot", "arm", "model", "fitted_on", "tested_on"),
-    *("joints", "moving_joints"),
+    *("joints", "moving_joints", "kind"),
 )
 Column = NDArray[Any]
 Source = str | Path | BytesIO  # a file, or one in memory
@@ -234,6 +234,11 @@ def write_exactly(table: pd.DataFrame, path: Path, header: bool = True) -> None:
         if header:
             file.write((",".join(map(str, table.columns)) + "\n").encode())
         pacsv.write_csv(pa.table(arrays, [*map(str, range(len(arrays)))]), file, form)
+
+
+def exact_text(table: pd.DataFrame, header: bool = True) -> str:
+    """Return a table as CSV; numbers are the same to the last bit when read again."""
+    return table.to_csv(index=False, header=header)
 
 
 def _write_numbers(table: pd.DataFrame, digits: int, path: Path) -> None:

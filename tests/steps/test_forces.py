@@ -17,9 +17,9 @@ from ur5lib.channels import TORQUE
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.errors import Remark
 from ur5lib.force.estimators import GATED
-from ur5lib.force.flange_contact import place_jacobian
 from ur5lib.force.problem import is_fitted
 from ur5lib.force.residual_model import ResidualModel, Residuals, few_paths
+from ur5lib.force.touched_link import place_jacobian
 from ur5lib.identification.current_regression import fit_currents
 from ur5lib.identification.currents import breakaway_torque, torque_constants
 from ur5lib.identification.payload import SCALED_TORQUE_ERROR, PayloadEstimate, judged_load
@@ -315,12 +315,33 @@ def residuals_of(arm: Robot, friction: Friction, paths: int, *runs: Free) -> Res
     each = {str(k): recording(arm, run) for k, run in enumerate(runs)}
     currents = {name: own.currents for name, own in each.items()}
     motion = {name: own.motion for name, own in each.items()}
-    return fit_residuals(replace(friction, paths=paths), currents, motion, 2.0)
+    kinematics = {name: own.kinematics for name, own in each.items()}
+    fitted = replace(friction, paths=paths)
+    return fit_residuals(fitted, currents, motion, kinematics, arm, None, 2.0)
 
 
 def torque_model(residuals: Residuals) -> ResidualModel:
     assert residuals.tau_ext is not None
     return residuals.tau_ext
+
+
+def test_a_contact_that_hides_in_a_fit_is_left_out(ur5: Robot, friction: Friction) -> None:
+    """Of the residual model, and of the threshold, with its reason; free runs stay as they are."""
+    runs = [free_run(ur5, seed, period=PERIOD) for seed in (1, 2, 3)]
+    force = 50.0 * between(runs[0].time, 6.0, 8.0)[:, None] * np.array([0.6, 0.0, 0.8])
+    touched = runs[0].pushed(runs[0].wrench(force))
+    free, found = (residuals_of(ur5, friction, 3, one, *runs[1:]) for one in (runs[0], touched))
+    assert not free.contacts
+    assert [*found.contacts] == ["0"]
+    ((start, end),) = found.contacts["0"]
+    assert (start, end) == pytest.approx((6.0, 8.0), abs=0.5)
+    assert [one.code for one in found.remarks if one not in free.remarks] == ["hidden contact"]
+    assert torque_model(found).spread == pytest.approx(torque_model(free).spread, rel=0.25)
+    odds = np.where(between(runs[0].time, 6.0, 8.0) > 0, 20.0, -5.0)
+    forces = {"0": Forces(**stretch(runs[0].time), log_odds={"Fmap": odds})}
+    signals = {"0": signals_of(runs[0].time, runs[0].q)}
+    assert set_threshold(forces, signals, free, ur5, 1.0)["Fmap"] > 20
+    assert set_threshold(forces, signals, found, ur5, 1.0)["Fmap"] == 0
 
 
 def test_residuals_of_few_paths_are_wider(ur5: Robot, friction: Friction) -> None:
@@ -395,7 +416,8 @@ def test_a_threshold_counts_minutes_of_mixed_rates(ur5: Robot, in_reference: boo
         forces[name] = Forces(**stretch(time), log_odds={"Fmap": odds})
         signals[name] = signals_of(time, 0 * force, actual_TCP_force=force)
         published[name] = FurtherForces(**stretch(time), corrected={"Fu": force})
-    found = set_threshold(forces, signals, ur5, 1.0, published if in_reference else None)
+    of = published if in_reference else None
+    found = set_threshold(forces, signals, Residuals(), ur5, 1.0, of)
     assert found.keys() == {"Fmap", "Fu"}
     assert 20 < found["Fu"] <= 20.5  # N, of 14, 16, 18, 20, 22, 24
     assert 5.0 < found["Fmap"] < 5.01  # two minutes allow two alarms: 6 and 7

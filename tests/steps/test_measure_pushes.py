@@ -10,14 +10,18 @@ import pytest
 from tests.made_records import motion_of, signals_of, stretch
 from tests.made_up_torques import MODEL, PRIOR, free_run
 from tests.steps.made_recording import known_of
+from ur5lib.errors import InputError
 from ur5lib.force.force_input import ForceInput
 from ur5lib.force.problem import Problem
+from ur5lib.force.push_directions import at_rest, push_directions
 from ur5lib.force.residual_model import Residuals
+from ur5lib.force.smallest_pushes import Needed
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.friction import Friction
 from ur5lib.records.prediction import Prediction
 from ur5lib.robots.description import Robot
+from ur5lib.robots.statics import geometric_jacobian
 from ur5lib.steps.estimate_forces import estimate_forces
 from ur5lib.steps.measure_pushes import DetectedPushes, Inputs, measure_pushes
 
@@ -50,6 +54,7 @@ def measured(
     ur5: Robot,
     paths: int,
     tried: int = 300,
+    posture: list[float] | None = None,
 ) -> DetectedPushes:
     return measure_pushes(
         {name: known[name] for name in names},
@@ -59,6 +64,7 @@ def measured(
         arm=ur5,
         contact_force_n=15.0,
         trial_pushes=tried,
+        pushed_posture=posture,
     )
 
 
@@ -95,6 +101,27 @@ def test_of_fewer_pushes_less_is_known(known: dict[str, Any], ur5: Robot) -> Non
     shares = [few[key].std_error / few[key].value for key in both]
     assert len(both) > 1
     assert np.mean(shares) > 1.5 * np.mean([many[key].std_error / many[key].value for key in both])
+
+
+def test_the_push_at_a_posture_of_one_s_own_is_that_of_a_resting_arm(ur5: Robot) -> None:
+    """In units of what stiction keeps of a push: (dᵀ J S⁻¹ Jᵀ d)^-½."""
+    posture = [10.0, -80.0, 70.0, -60.0, -90.0, 30.0]
+    needed = {"at rest": Needed(3.0, 0.1)}
+    own = [*push_directions([], needed, 100.0, 1000.0, at_rest(ur5, posture, MODEL))]
+    assert {row.posture_deg for row in own} == {"10.0 -80.0 70.0 -60.0 -90.0 30.0"}
+    assert {(row.motion, row.recording, row.time_s) for row in own} == {("at rest", "", None)}
+    linear = geometric_jacobian(ur5, np.radians([posture]))[0, :3]
+    kept = (MODEL.stiction * MODEL.breakaway) ** 2
+    for row in own:
+        angle, axis = np.radians(row.angle_deg), 1 if row.plane == "horizontal" else 2
+        direction = np.cos(angle) * np.eye(3)[0] + np.sin(angle) * np.eye(3)[axis]
+        unit = ((linear.T @ direction) ** 2 / kept).sum() ** -0.5
+        assert (row.unit, row.value) == (pytest.approx(unit), pytest.approx(3 * unit))
+
+
+def test_a_posture_of_one_s_own_has_the_arm_s_joints(known: dict[str, Any], ur5: Robot) -> None:
+    with pytest.raises(InputError, match="5 angles; ur5 has 6 joints"):
+        measured(known, ["seen", "new"], ur5, 2, 90, posture=[0.0] * 5)
 
 
 def test_pushes_tried_together_are_found_as_each_alone(ur5: Robot) -> None:

@@ -85,7 +85,12 @@ class Detection:
     of contacts; false_alarms_per_min: alarms in no contact, or that go on long after it, without
     loads and contacts off the flange, which the sensor does not feel; extra_alarms: further ones in
     a contact; time_in_alarm, free_time_in_alarm: shares of all samples and of those without
-    contact; median_delay_s: of the found ones [s]; roc_area: under the receiver's curve.
+    contact; median_delay_s: of the found ones [s]; roc_area: under the receiver's curve. Where the
+    leading estimate finds no contact, medians of the largest axis [N]: untouched_n, half of the
+    band if nothing has touched since the arm came to rest; hidden_n, up to which a contact since
+    then could be hidden; hidden_at_all_n, also one that began before. Of the leading estimate, in
+    the longest rest: unseen_link_2_n, unseen_link_3_n, below which a push on the middle of the link
+    may raise no alarm (nine of ten harder ones do, whatever their direction).
     """
 
     estimate: str
@@ -104,6 +109,11 @@ class Detection:
     alarms: int
     alarms_per_min: float
     roc_area: float | None = None
+    untouched_n: float | None = None
+    hidden_n: float | None = None
+    hidden_at_all_n: float | None = None
+    unseen_link_2_n: float | None = None
+    unseen_link_3_n: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,7 +142,8 @@ class Contact:
     kind, the first that is true: load, a grasped one; contact, where the sensor reads a touch (3
     N); false, where without a sensor the role denies contacts and no undeclared load is found;
     off_flange; false, where a sensor reads nothing; else contact; load_mass: of a load [kg];
-    off_flange: whether the torques exclude that the contact is at the flange.
+    off_flange: whether, by the torques, the contact is not at the flange, and the probability of
+    that; link: the likeliest, from 1, of a contact in motion: at rest, friction hides it.
     """
 
     estimate: str
@@ -153,6 +164,8 @@ class Contact:
     load_mass: float | None = None
     load_mass_std: float | None = None
     off_flange: bool = False
+    link: int | None = None
+    off_flange_probability: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

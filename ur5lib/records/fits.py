@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from ur5lib.records.verdicts import Reason, Use
+from ur5lib.records.verdicts import Reason, State, Use
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +62,8 @@ class RemarkRow:
 class FrictionRow:
     """A row of friction.csv: a fitted value of a joint, as `Parameter`, or its total friction at a
     load [Nm]; known: the prior constant, contradicted: the fitted one that contradicts it; use,
-    reason: whether it may be used, and why not, or with which doubt.
+    reason: whether it may be used, and why not, or with which doubt; state: the same, as that of
+    verdicts.
     """
 
     joint: int
@@ -82,6 +83,7 @@ class FrictionRow:
     load: float | None = None
     use: Use
     reason: Reason
+    state: State
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,6 +103,7 @@ class TorqueConstant:
     determined: bool
     use: Use
     reason: Reason
+    state: State
 
 
 @dataclass(frozen=True, kw_only=True)

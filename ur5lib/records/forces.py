@@ -38,6 +38,8 @@ class Leading(Protocol):
     hidden: Array
     hidden_at_all: Array
     unsmoothed: Array
+    link: Array
+    off_flange: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +55,9 @@ class Forces(SegmentedTable):
     Of the leading estimate, (N, 3) [N]: untouched, half of the 95 % band of the force if nothing
     has touched since the arm came to rest, of the band itself in motion and in contacts; hidden, up
     to which a contact since then could be hidden, and hidden_at_all, also one that lasts longer,
-    zero in contacts; unsmoothed, the force before it is averaged at rest, for peaks.
+    zero in contacts; unsmoothed, the force before it is averaged at rest, for peaks. And (N,), of a
+    contact in motion, NaN elsewhere: link, the likeliest, from 1; off_flange, the probability that
+    it is not the last one.
     """
 
     wrench: dict[str, Array] = channel("{}", "N, Nm", WRENCH)
@@ -66,6 +70,8 @@ class Forces(SegmentedTable):
     hidden: Array | None = channel("hidden", "N", AXES, optional=True)
     hidden_at_all: Array | None = channel("hidden_at_all", "N", AXES, optional=True)
     unsmoothed: Array | None = channel("unsmoothed", "N", AXES, optional=True)
+    link: Array | None = channel("link", "1", (), optional=True)
+    off_flange: Array | None = channel("off_flange", "1", (), optional=True)
 
     @classmethod
     def of(

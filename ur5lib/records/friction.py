@@ -155,14 +155,16 @@ class Friction:
     from_: the fitted recordings in motion, empty if the friction is only the prior; at_rest: the
     fitted recordings of postures, which determine only torque constants; paths: number of
     trajectories; period: the longest step between samples [s], None without any; left_out: fits
-    without some paths; explained: (6,), share of the currents' variance that these fits explain on
-    the left-out paths, None with a single path; load: (6,) [Nm], mean |torque of the links| in
+    without some paths; usual: of one path, the fit without any recording, which has a part in
+    predictions at rest; explained: (6,), share of the currents' variance that the fits without some
+    paths explain on these, None with a single path; load: (6,) [Nm], mean |torque of the links| in
     motion, NaN for a joint that does not move, None without recordings; totals: friction of all
     terms at that load, see `total_friction`; least_squares: (6, 4), the baseline's coefficients;
     cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on another; model: link
     model of the torques; stopped: how the recordings contradict the arm; refused: other reasons why
     there is no fit; remarks: contradictions that the study accepts; effort: the predicted quantity
-    of `channels.Effort`.
+    of `channels.Effort`; touched: from and to [s] of contacts that check finds in fitted
+    recordings, by name, which are left out.
     """
 
     __pydantic_config__ = BY_KEY
@@ -173,6 +175,7 @@ class Friction:
     period: float | None = None
     fit: CurrentFit = NO_FIT
     left_out: list[LeftOut] = field(default_factory=list)
+    usual: CurrentFit | None = None
     explained: Array | None = None
     parameters: list[Parameter] = field(default_factory=list)
     load: Array | None = None
@@ -185,6 +188,7 @@ class Friction:
     refused: Remark | None = None
     remarks: list[Remark] = field(default_factory=list)
     effort: str = CURRENT.quantity
+    touched: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
 
     @property
     def measured(self) -> Effort:

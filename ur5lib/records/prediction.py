@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ur5lib.records.phrases import number
 from ur5lib.robots.description import Payload
 from ur5lib.timeseries.arrays import Array
 
@@ -61,6 +62,11 @@ class JudgedLoad(LoadEstimate):
     taken: bool
     center_of_mass: Array
     center_of_mass_std: Array
+
+
+def held_throughout(load: LoadEstimate) -> str:
+    """Return in words that a load is not part of the stated force."""
+    return f"{number(load.mass, '.2g')} kg held throughout, taken off the force"
 
 
 @dataclass(frozen=True)

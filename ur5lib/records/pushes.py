@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
+YOURS = "your"  # the posture that the user names
 Basis = Literal["unseen", "fit"]
 Reason = Literal["", "one_path", "fitted", "undetermined", "uncalibrated"]  # codes of verdicts
 
@@ -50,7 +51,8 @@ class PushDirection:
 
     posture: one of all places of trials: stretched out or folded, with the flange farthest from the
     base's origin or nearest; easiest or hardest, with the smallest or largest push in the direction
-    that joints feel least; recording, time_s, posture_deg: of this place, with the joints [°];
+    that joints feel least; or your own, at rest; recording, time_s, posture_deg: of this place,
+    with the joints [°], the first two empty of your own;
     motion: see `SmallestPush`; plane, angle_deg: of the direction [°], horizontal from the base's x
     to its y, or vertical from x to z; unit: the push that changes the joints' torques by one
     standard deviation [N], empty if no joint feels any; value: unit times the number of units that
@@ -60,7 +62,7 @@ class PushDirection:
 
     posture: str
     recording: str
-    time_s: float
+    time_s: float | None
     posture_deg: str
     motion: str
     plane: str

@@ -24,8 +24,11 @@ class Scene:
     links: of the arm's n joints; upright: (3, 3), from base axes to those in which gravity acts
     along −z; segment: (K,), labels of unbroken stretches; q: (K, n) [rad]; torque: (K, n) [Nm], the
     external one; force, std: (K, 3) [N], the environment on the arm at the origin of frame n and
-    its standard deviation, base axes, by the estimate with the label `estimate`; sensed: (K, 3)
-    [N], the force by the sensor; contacts, alarms: contacts by the sensor and by the estimate;
+    its standard deviation, base axes, by the estimate with the label `estimate`; hidden: (K, 3)
+    [N], up to which a contact that it does not find could be, 0 in contacts; sensed: (K, 3) [N],
+    the force by the sensor; link: (K,), the likeliest one that is touched, from 1, where the
+    estimate finds a contact before the last one, else 0; contacts, alarms: contacts by the sensor
+    and by the estimate; largest: the largest force [N] of each alarm, and half of its 95 % band;
     free: whether nothing touches the arm, so that each alarm is false.
     """
 
@@ -38,7 +41,10 @@ class Scene:
     torque: Array | None = None
     force: Array | None = None
     std: Array | None = None
+    hidden: Array | None = None
     sensed: Array | None = None
+    link: Labels | None = None
     contacts: Spans | None = None
     alarms: Spans | None = None
+    largest: list[tuple[float, float]] | None = None
     free: bool = False

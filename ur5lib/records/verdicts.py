@@ -8,7 +8,16 @@ from ur5lib.channels import CURRENT, Effort
 from ur5lib.errors import printable
 
 State = Literal["good", "usable", "do not use", "not determined"]
+STATES: dict[State, str] = {  # what they mean to who copies a number
+    "good": "copy it",
+    "usable": "with this doubt",
+    "do not use": "do not use",
+    "not determined": "not known",
+}
 Use = Literal["yes", "no"]
+Sense = Literal[
+    "", "less", "more", "ratio", "error", "change", "from", "beyond", "at most", "at least"
+]
 Reason = Literal[
     "",
     "stopped",
@@ -20,6 +29,8 @@ Reason = Literal[
     "unproven",
     "prior_only",
     "far",
+    "excludes",
+    "imprecise",
     "undetermined",
     "worse_than_zero",
     "large_error",
@@ -61,6 +72,8 @@ REASONS: dict[str, str] = {  # a sentence each; {quantity} and {constant} as of 
     "unproven": "Fits to other paths predict the {quantity} worse than a constant.",
     "prior_only": "The value rests mostly on other arms.",
     "far": "The {constant} is farther from the known one than on 95 % of arms.",
+    "excludes": "The 95 % interval excludes the known {constant}.",
+    "imprecise": "It is known within ± 50 % or worse.",
     "undetermined": "The recordings do not determine it.",
     "worse_than_zero": "The error is not below that of zero or of a constant.",
     "large_error": "The error is a large part of that of zero or of a constant.",
@@ -122,7 +135,11 @@ class Verdict:
     the number is, in words; low, high: ends of the interval that `interval` names; joint, axis,
     recording, motion (at rest, slow, fast, in motion): its place; zero: the same of an estimate of
     zero or a constant; rival, rival_value: the simple method and its number; floor: repeatability;
-    count, of: how many of how many; basis: real, trial, unseen or fit.
+    count, of: how many of how many; basis: real, trial, unseen or fit; sense: which numbers are
+    good: less or more; a ratio is best at 1, an error or a change with its sign at 0 (below: too
+    small, or fallen); from: it holds from this number on; beyond: it is larger; at most, at
+    least: a limit of it; posture: the joints [°] at which it holds. Without value and count, low to
+    high is the number.
     """
 
     question: str
@@ -147,6 +164,8 @@ class Verdict:
     count: int | None = None
     of: int | None = None
     basis: Literal["", "real", "trial", "unseen", "fit"] = ""
+    sense: Sense = ""
+    posture: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -240,9 +259,11 @@ class Noticed:
     contacts: that reach 5 N, of which found by an alarm of their own, merged (within another one's)
     and missed; missed_s, merged_s: their starts [s]; largest_missed,
     smallest_found: peaks [N]; peak_bias: mean relative error of the found peaks; alarms: all,
-    false_alarms: as in detection.csv, without a sensor those of the kind false; band:
-    the widest 95 % band of an alarm's largest force, half of it [N] along band_axis at band_s in a
-    posture [°].
+    false_alarms: as in detection.csv, without a sensor those of the kind false; untouched_n,
+    hidden_n, hidden_at_all_n: where no contact is found, and unseen_link_2_n, unseen_link_3_n: at
+    rest before the wrist, as in detection.csv; band: the widest
+    95 % band of an alarm's largest force, half of it [N] along band_axis at band_s in a posture
+    [°].
     """
 
     recording: str
@@ -259,6 +280,11 @@ class Noticed:
     alarms: int
     alarms_per_min: float
     false_alarms: int
+    untouched_n: float | None = None
+    hidden_n: float | None = None
+    hidden_at_all_n: float | None = None
+    unseen_link_2_n: float | None = None
+    unseen_link_3_n: float | None = None
     band: float | None = None
     band_axis: str = ""
     band_s: float | None = None

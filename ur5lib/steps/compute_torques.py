@@ -67,13 +67,15 @@ def compute_torques(
     if recording.untouched is not None:
         doubts += tare_doubts(recording.untouched, known, robot, cutoff, motion.motor_qd)
     table, fitted = checked_columns(known.file), recording.role == "fit"
-    checked = Checked(table, robot, load.configured, load.payload, fitted, cutoff)
-    if recording.role != "contact":
+    touched = recording.role == "contact"
+    checked = Checked(table, robot, load.configured, load.payload, fitted, cutoff, touched)
+    if not touched:
         doubts += sensed_contacts(table, load.mass)
     sensed = known.force_sensor is not None
     found = contradictions(checked, doubts, sensed, cutoffs_hz, accepted or {})
     place = place_of_contacts(contact_place, tcp, known, load, table, robot)
-    return RecordingTorques(joint_torques(robot, load, known, motion), Premises(load, found, place))
+    premises = Premises(load, found, place, checked.felt)
+    return RecordingTorques(joint_torques(robot, load, known, motion), premises)
 
 
 def place_of_contacts(

@@ -56,7 +56,7 @@ def estimate_forces(
     run = Run(motion.anew(), currents.anew(), kinematics.anew(), wrench)
     prior = ContactPrior.of(arm, contact_force_n, premises.place)
     if is_fitted(friction, premises.contradictions):
-        fmap = most_probable(motion, currents, residuals, kinematics, prior, premises.place)
+        fmap = most_probable(motion, currents, residuals, kinematics, prior, premises.place, arm)
         run = replace(run, fmap=fmap)
     else:
         static = static_forces(recording, arm, lowpass, prior.force)
@@ -74,6 +74,7 @@ def most_probable(
     kinematics: Kinematics,
     prior: ContactPrior,
     place: ContactPlace,
+    arm: Robot,
 ) -> WrenchEstimate | None:
     """Return the most probable contact wrench, F̂ᵐᵃᵖ; None where `fmap_problem` finds nothing to
     estimate from.
@@ -82,7 +83,7 @@ def most_probable(
     if problem is None:
         return None
     used = kinematics.anew(problem.rows)
-    return problem.solve(used.jacobian, prior, place.on(used.rotation))
+    return problem.solve(used.jacobian, prior, place.on(used.rotation), arm)
 
 
 def static_forces(

@@ -6,19 +6,21 @@ from itertools import chain
 
 import numpy as np
 
-from ur5lib.channels import TORQUE, Effort
+from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.checks.doubts import doubt_in_words, doubts_by_joint
 from ur5lib.checks.postures import contradicting_constants, other_constant
 from ur5lib.checks.sides import unknown_side
 from ur5lib.errors import RefusalError, Remark, reason
 from ur5lib.identification.at_rest import AtRest
 from ur5lib.identification.current_regression import (
+    expected_fit,
     fit_currents,
     fit_postures,
     fit_without_each_path,
     too_small,
 )
 from ur5lib.identification.current_samples import (
+    FitSettings,
     ZeroPhaseLowpass,
     controllers_ratio,
     current_record,
@@ -27,7 +29,7 @@ from ur5lib.identification.current_samples import (
 from ur5lib.identification.currents import parameters, predict, torque_constants
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth, record_paths
-from ur5lib.identification.steady_friction import mean_load, total_friction
+from ur5lib.identification.steady_friction import friction_curve, mean_load, total_friction
 from ur5lib.identification.validation import (
     explained_share,
     fitted_on_tested_on,
@@ -38,16 +40,16 @@ from ur5lib.recordings.copies import same_runs
 from ur5lib.records.accepted import accepted_sign
 from ur5lib.records.aligned_recording import AlignedRecording
 from ur5lib.records.codes import CauseCode
-from ur5lib.records.friction import CurrentFit, Friction, KnownConstants, LeftOut
+from ur5lib.records.friction import CurrentFit, Friction, JointFit, KnownConstants, LeftOut
 from ur5lib.records.motion import Motion, motions_before
 from ur5lib.records.phrases import number
 from ur5lib.records.postures import Postures
-from ur5lib.records.premises import Premises
+from ur5lib.records.premises import MARGIN, Premises
 from ur5lib.records.quality import Contradictions, Finding, Quality
 from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.arrays import Array
-from ur5lib.timeseries.lowpass import Butterworth
+from ur5lib.timeseries.segments import within
 
 # At most this many joints may have a current that does not follow the torque; the others then
 # still determine a force.
@@ -57,6 +59,9 @@ MAX_JOINTS_WITHOUT_LOAD = 3
 MAX_JOINTS_OF_OTHER_GAIN = 1
 # Remarks on a joint that contradicts its documented constant, which is used instead.
 UNEXPLAINED = CauseCode.CURRENT_AGAINST_CONSTANT, CauseCode.TORQUE_AGAINST_GAIN
+# A joint is remarked on from so many deviations of the prior on: joints of UR3, UR5, UR10 and UR10e
+# are up to 1.9 of these off.
+FAR_DEVIATIONS, FAR_AT_SPEED = 5.0, 0.5  # rad/s
 MIN_GAIN = 0.4  # of such a joint, at least; with a smaller one, a unit is wrong
 
 
@@ -73,7 +78,7 @@ def fit_friction(
     recordings: Mapping[str, Inputs],
     postures: Mapping[str, Postures],
     dates: dict[str, str],
-    lowpass: Butterworth,
+    fit_settings: FitSettings,
     accepted: dict[str, str] | None = None,
     before: Mapping[str, Motion] | None = None,
     chains: dict[str, list[str]] | None = None,
@@ -86,7 +91,7 @@ def fit_friction(
     """
     if arm.links == "unknown":
         return Friction(refused=_unknown_links(arm))
-    model, smooth = arm.fullest_model(), ZeroPhaseLowpass(*lowpass)
+    model, smooth = arm.fullest_model(), ZeroPhaseLowpass(*fit_settings.lowpass)
     contradictions, quality = dict[str, Contradictions](), dict[str, Quality]()
     records, ratios = [], []
     for name, recording in recordings.items():
@@ -94,7 +99,8 @@ def fit_friction(
         earlier = motions_before(recording.motion, (chains or {}).get(name, []), before or {})
         record = current_record(recording, arm, earlier)
         if record is not None:
-            records.append(replace(record, day=dates[name]))
+            known = untouched(record, recording.signals.time, recording.premises.touched)
+            records.append(replace(known, day=dates[name]))
             odd = contradictions[name].odd_targets()
             ratios.append(controllers_ratio(recording.signals, recording.motion, odd))
     at_rest = dict(postures.items())
@@ -105,15 +111,33 @@ def fit_friction(
         require_single_runs(quality)
         if "side" not in (accepted or {}):
             require_known_side(arm)
-        prior = replace(prior_of(arm, ratios), at_rest=AtRest.of(held))
+        prior = prior_of(arm, ratios, fit_settings.terms, fit_settings.prior)
+        prior = replace(prior, at_rest=AtRest.of(held))
         fitted = fitted_friction(records, prior, smooth, model, accepted)
         findings = chain.from_iterable(one.findings for one in contradictions.values())
         fit = with_causes(fitted.fit, doubts_by_joint(findings), arm)
-        return replace(fitted, fit=fit, at_rest=[*at_rest], effort=arm.measured.quantity)
+        touched = {name: one.premises.touched for name, one in recordings.items()}
+        return replace(
+            fitted,
+            fit=fit,
+            at_rest=[*at_rest],
+            effort=arm.measured.quantity,
+            touched={name: own for name, own in touched.items() if own},
+        )
     except ContradictionError as sign:
         return Friction(stopped=sign.remark)
     except ValueError as error:
         return Friction(refused=reason(error))
+
+
+def untouched(
+    record: CurrentSamples, time: Array, contacts: Sequence[tuple[float, float]]
+) -> CurrentSamples:
+    """Return a record with unknown efforts in contacts, from and to [s]; time: (N,) [s]."""
+    if not contacts:
+        return record
+    touched = within(time, contacts, MARGIN)
+    return replace(record, current=np.where(touched[:, None], np.nan, record.current))
 
 
 def _unknown_links(arm: Robot) -> Remark:
@@ -138,8 +162,8 @@ def with_causes(fit: CurrentFit, doubts: Mapping[int, Finding], arm: Robot) -> C
         alone, known = (number(value, ".3g") for value in one.constants)
         doubt = doubt_in_words(doubts[joint].cause, arm.name, [joint])
         text = (
-            f"{doubt} (by itself, this joint would have a {arm.measured.constant} of {alone} "
-            f"instead of {known} {arm.measured.constant_unit}, which is used)"
+            f"{doubt} (by itself, this joint's {arm.measured.constant} would be {alone}; the known "
+            f"{known} {arm.measured.constant_unit} is used)"
         )
         return replace(one, code=CauseCode.EXPLAINED_CONTRADICTION, text=text)
 
@@ -178,13 +202,14 @@ def fitted_friction(
     doubts = accepted_doubts(fit, prior, accepted or {})
     left_out = fit_without_each_path(records, smooth, prior)
     explained = explained_by_others(records, left_out, smooth)
-    load = mean_load(records, smooth, terms)
+    load, paths = mean_load(records, smooth, terms), int(record_paths(records).max()) + 1
     return Friction(
         from_=[record.name for record in records],
-        paths=int(record_paths(records).max()) + 1,
+        paths=paths,
         period=max(record.period for record in records),
-        fit=with_unproven(fit, explained, prior.measured),
+        fit=with_unproven(with_far_friction(fit, load, prior), explained, prior.measured),
         left_out=[LeftOut(names, _without_replicates(own)) for names, own in left_out],
+        usual=usual_of_one(paths, prior),
         explained=explained,
         parameters=parameters(fit, prior.measured),
         load=load,
@@ -195,6 +220,15 @@ def fitted_friction(
         model=model,
         remarks=doubts,
     )
+
+
+def usual_of_one(paths: int, prior: Prior) -> CurrentFit | None:
+    """Return the fit that a prior of currents gives without recordings; None where these have more
+    than one path, or the prior has no typical friction.
+    """
+    if paths > 1 or not prior.typical or prior.measured != CURRENT:
+        return None
+    return _without_replicates(expected_fit(prior))
 
 
 def _expected_friction(prior: Prior, model: str, accepted: Mapping[str, str]) -> Friction:
@@ -265,6 +299,38 @@ def with_unproven(fit: CurrentFit, explained: Array | None, measured: Effort) ->
         for own, share in zip(fit.joints, shares, strict=True)
     ]
     return replace(fit, joints=tuple(joints))
+
+
+def with_far_friction(fit: CurrentFit, load: Array, prior: Prior) -> CurrentFit:
+    """Return a fit with a remark on each joint whose friction is far from what the prior expects.
+
+    load: mean size (n,) [Nm] of the torque on each joint. Terms of speed may then replace dry
+    friction, which keeps the prior's value.
+    """
+    if not prior.typical:
+        return fit
+    per_unit = np.stack(
+        [np.ones_like(load), FAR_AT_SPEED * np.ones_like(load), np.nan_to_num(load)]
+    )
+    own = [prior.typical[name] for name in ("coulomb", "viscous", "load")]
+    mean = (per_unit * [one.mean for one in own]).sum(axis=0)  # of the friction (n,) [Nm]
+    std = np.linalg.norm(per_unit * [one.std for one in own], axis=0)
+
+    def remarked(joint: JointFit, load: float, mean: float, std: float) -> JointFit:
+        (friction,) = friction_curve(joint, np.array([FAR_AT_SPEED]), load).tolist()
+        deviations = (friction - mean) / std
+        if abs(deviations) < FAR_DEVIATIONS:
+            return joint
+        text = (
+            f"its friction at {FAR_AT_SPEED:g} rad/s is {number(friction, '.2g')} Nm, "
+            f"{number(abs(deviations), '.0f')} standard deviations from the usual "
+            f"{number(mean, '.2g')} Nm: which part of it is dry friction is uncertain, and so are "
+            "forces at rest; look at brake, gear and payload"
+        )
+        return replace(joint, remarks=(*joint.remarks, Remark(CauseCode.FAR_FRICTION, text)))
+
+    each = zip(fit.joints, np.nan_to_num(load), mean, std, strict=True)
+    return replace(fit, joints=tuple(remarked(*one) for one in each))
 
 
 def _without_replicates(fit: CurrentFit) -> CurrentFit:

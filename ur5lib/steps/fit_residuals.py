@@ -2,17 +2,20 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import starmap
 
 import numpy as np
 
 from ur5lib.channels import CURRENT, TORQUE
 from ur5lib.errors import RefusalError, Remark
+from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.external_torque import (
     RELAXATION_TIME,
     finite_rows,
     is_still,
 )
 from ur5lib.force.force_input import ForceInput, inputs
+from ur5lib.force.hidden_contacts import Fitted, hidden_contacts, without
 from ur5lib.force.residual_model import (
     MIN_RENEWAL_RATE,
     ResidualModel,
@@ -23,12 +26,17 @@ from ur5lib.force.residual_model import (
 from ur5lib.identification.currents import breakaway_torque, constants_band, torque_constants
 from ur5lib.identification.samples import MIN_PATHS
 from ur5lib.records.codes import CauseCode
+from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.currents import Currents
+from ur5lib.records.dynamics import Kinematics
 from ur5lib.records.friction import CurrentFit, Friction
 from ur5lib.records.motion import Motion
-from ur5lib.records.phrases import numbered
+from ur5lib.records.phrases import as_written, numbered
+from ur5lib.records.premises import MARGIN
 from ur5lib.records.step import step
-from ur5lib.timeseries.segments import unbroken
+from ur5lib.robots.description import Robot
+from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.segments import Span, unbroken, within
 
 MIN_REST_DURATION = 10.0  # s; a shorter rest does not determine friction at rest
 # Usual error along an unseen path, by joint state, relative to Coulomb friction: in motion the
@@ -40,24 +48,50 @@ ERRORS_AT_USUAL_SPEED = np.array([0.13, 0.13, 0.6, 0.75, 0.6])
 ERRORS_IN_FAST_MOTION = np.array([0.5, 0.5, 0.5, 0.4, 0.15])
 # An arm usually has this speed [rad/s], and this load in Coulomb friction.
 USUAL_SPEED, USUAL_LOAD = 0.5, 3.0  # rad/s
+CONTACT_ROUNDS = 4  # at most so often, contacts are sought in the recordings to fit on
 FORCE_DIRECTIONS = 3  # a force needs a finite torque on this many joints, or on all
 
 
-@step("arm", "residuals.json", recordings="fit")
+@step("arm", "residuals.json", recordings="fit", arm="described")
 def fit_residuals(
     friction: Friction,
     currents: Mapping[str, Currents],
     motion: Mapping[str, Motion],
+    kinematics: Mapping[str, Kinematics],
+    arm: Robot,
+    contact_force_n: float | None,
     cutoff_hz: float,
 ) -> Residuals:
     """Return the residual model of the external torque without contact; empty without a fit.
 
-    currents, motion: of the arm's `fit` recordings; cutoff_hz: of the currents.
+    currents, motion, kinematics: of the arm's `fit` recordings; contact_force_n: of a typical
+    contact [N], None: by the arm's payload; cutoff_hz: of the currents. Contacts that hide in these
+    recordings are left out.
     """
     if friction.from_:
+        touched = friction.touched
+        currents = {name: untouched(one, touched.get(name, [])) for name, one in currents.items()}
         recordings = [(currents[name], motion[name]) for name in currents]
-        return residual_models(recordings, friction, cutoff_hz)
+        found = residual_models(recordings, friction, cutoff_hz)
+        runs = {
+            name: Fitted(one, kinematics[name])
+            for name in currents
+            for one in inputs([(currents[name], motion[name])], cutoff_hz)
+        }
+        prior = ContactPrior.of(arm, contact_force_n, ContactPlace())
+        found = without_contacts(found, runs, prior, friction, cutoff_hz)
+        every = {name: [*touched.get(name, []), *found.contacts.get(name, [])] for name in currents}
+        return replace(found, contacts={name: own for name, own in every.items() if own})
     return usual_residuals(friction.fit, cutoff_hz) if friction.fit.joints else Residuals()
+
+
+def untouched(currents: Currents, contacts: Sequence[tuple[float, float]]) -> Currents:
+    """Return currents with an unknown external torque in contacts, from and to [s]."""
+    if currents.external_torque is None or not contacts:
+        return currents
+    touched = within(currents.time, contacts, MARGIN)
+    torque = np.where(touched[:, None], np.nan, currents.external_torque)
+    return replace(currents, external_torque=torque)
 
 
 def residual_models(
@@ -79,6 +113,51 @@ def residual_models(
             return replace(usual_residuals(friction.fit, cutoff), remarks=(refusal.remark,))
         return Residuals(refused=refusal.remark)
     return Residuals(model, remarks=tuple(_remarks(friction.paths, recordings, cutoff)))
+
+
+def without_contacts(
+    found: Residuals,
+    runs: Mapping[str, Fitted],
+    prior: ContactPrior,
+    friction: Friction,
+    cutoff: float,
+) -> Residuals:
+    """Return the residual model fitted again without the contacts that it finds in its own
+    recordings, until it finds no other; cutoff: of the torques [Hz].
+    """
+    if found.tau_ext is None or found.tau_ext.usual:
+        return found
+    model, contacts = found.tau_ext, dict[str, list[Span]]()
+    for _ in range(CONTACT_ROUNDS):
+        before = contacts
+        contacts = {name: hidden_contacts(one, model, prior) for name, one in runs.items()}
+        if contacts == before or not any(contacts.values()):
+            break
+        free = [without(one.input, contacts[name]) for name, one in runs.items()]
+        try:
+            model = _residual_model(free, friction, cutoff)
+        except RefusalError:  # too little is left without them
+            return found
+    times = {name: _times(own, runs[name].kinematics.time) for name, own in contacts.items() if own}
+    remarks = (*found.remarks, *starmap(_hidden, times.items()))
+    return replace(found, tau_ext=model, remarks=remarks, contacts=times)
+
+
+def _times(contacts: Sequence[Span], time: Array) -> list[tuple[float, float]]:
+    """Return from and to [s] of spans, since the first sample."""
+    return [
+        (float(time[first] - time[0]), float(time[last - 1] - time[0])) for first, last in contacts
+    ]
+
+
+def _hidden(name: str, contacts: Sequence[tuple[float, float]]) -> Remark:
+    at = as_written([start for start, _ in contacts], ".1f")
+    text = (
+        f"“{name}” seems to be touched at {at} s: these spans are left out of the errors of a free "
+        "arm and of the threshold of alarms, but not of its friction; cut them off by `from_s` and "
+        "`to_s`, or give the recording the role contact"
+    )
+    return Remark(CauseCode.HIDDEN_CONTACT, text)
 
 
 def _unknown_torques(joints: Sequence[int]) -> Remark:

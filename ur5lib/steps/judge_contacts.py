@@ -17,6 +17,7 @@ from ur5lib.force.alarms import (
     fixed_thresholds,
     raised,
 )
+from ur5lib.force.before_wrist import unseen_before_wrist
 from ur5lib.force.contact_place import sensed_place
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.controller import further_or_controller
@@ -30,6 +31,7 @@ from ur5lib.force.problem import Problem, fmap_problem
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.sensed_contact import FREE_ROLES
 from ur5lib.force.trial_contacts import flange_speed
+from ur5lib.force.while_shut import usual_limits
 from ur5lib.records.contact_place import ContactPlace, PlaceRow
 from ur5lib.records.contacts import ContactError, Contacts
 from ur5lib.records.currents import Currents
@@ -90,17 +92,19 @@ def judge_contacts(
     alarms = {name: raised(own, sensor, motion.q, speed, loads) for name, own in found.items()}
     problem = fmap_problem(motion, recording.currents, residuals)
     is_free = recording.role in FREE_ROLES and not recording.prediction.is_loaded
-    places = []
+    places, limits = [], usual_limits(forces)
     if problem is not None and LEADING in alarms:
         prior = ContactPrior.of(arm, contact_force_n, premises.place)
-        alarms[LEADING] = judged_by_torques(arm, problem, forces.time, prior, alarms[LEADING])
+        alarms[LEADING] = judged_by_torques(arm, problem, forces, prior, alarms[LEADING])
         if not is_free:
-            change = force_change(problem, kinematics, prior, premises.place, found[LEADING])
+            change = force_change(problem, kinematics, prior, premises.place, found[LEADING], arm)
             places.append(place_row(premises.place, change, sensor, kinematics))
+            where = prior, premises.place, threshold[LEADING]
+            limits |= unseen_before_wrist(problem, kinematics, arm, *where)
     return Contacts(
         errors=[*errors_with_fates(recording.compared.contacts, alarms)],
         detections=[
-            row
+            replace(row, **limits) if name == LEADING else row
             for name, own in found.items()
             for row in detections(name, own, alarms[name], sensor, threshold[name])
         ],
@@ -113,7 +117,12 @@ def judge_contacts(
 
 
 def force_change(
-    problem: Problem, kinematics: Kinematics, prior: ContactPrior, place: ContactPlace, own: Alarms
+    problem: Problem,
+    kinematics: Kinematics,
+    prior: ContactPrior,
+    place: ContactPlace,
+    own: Alarms,
+    arm: Robot,
 ) -> float | None:
     """Return the mean change [N] of the force in alarms if contacts are PLACE_ERROR farther away.
 
@@ -124,7 +133,7 @@ def force_change(
         return None
     used = kinematics.anew(problem.rows)
     farther = place.farther(PLACE_ERROR).on(used.rotation)
-    moved = problem.solve(used.jacobian, prior, farther).wrench
+    moved = problem.solve(used.jacobian, prior, farther, arm).wrench
     return float(np.nanmean(np.linalg.norm((moved - own.wrench)[inside, :3], axis=1)))
 
 

@@ -127,8 +127,10 @@ def make_tables(
     imu = {name: recording.comparison for name, recording in moved.items()}
     rows = rows_of_recordings(judged, compared, contacts, imu)
     rows["quality"] = found_of_recordings(judged, compared, contacts, unreadable, roles)
+    pushed = {name for name, one in compared.items() if touched(one.sensed, roles.get(name, ""))}
     each = {
-        robot: rows_of_arm(arm, calibration[robot], residuals[robot]) for robot, arm in arms.items()
+        robot: rows_of_arm(arm, calibration[robot], residuals[robot], pushed)
+        for robot, arm in arms.items()
     }
     of_arms = {name: {robot: own[name] for robot, own in each.items()} for name in OF_ARMS}
     tables = {name: table_by_owner(kind, {}) for name, kind in OF_MOTION.items()} | joined(parts)
@@ -139,17 +141,23 @@ def make_tables(
 
 
 def rows_of_arm(
-    arm: Fits, calibration: Mapping[str, ImuCalibration], residuals: Residuals
+    arm: Fits,
+    calibration: Mapping[str, ImuCalibration],
+    residuals: Residuals,
+    pushed: set[str],
 ) -> dict[str, Iterable[object]]:
-    """Return the rows of an arm by table."""
+    """Return the rows of an arm by table; pushed: the recordings without the role of a contact on
+    which a force sensor reads some.
+    """
     friction, identification = arm.friction, arm.identification
+    is_touched = not pushed.isdisjoint(friction.from_)
     return {
         "imu_calibration": calibrated(calibration),
         "rotor_inertia": rotor_rows(arm.rotors),
         "parameters": identification.parameters,
         "excitation": excited(identification),
-        "friction": friction_rows(friction, arm.identified),
-        "torque_constants": torque_constants(friction, arm.identified),
+        "friction": friction_rows(friction, arm.identified, is_touched),
+        "torque_constants": torque_constants(friction, arm.identified, is_touched),
         "cross_validation": cross_validated(friction),
         "remarks": remarks(identification, friction, residuals),
     }

@@ -3,11 +3,12 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from ur5lib.errors import InputError
 from ur5lib.force.contact_prior import ContactPrior
 from ur5lib.force.estimators import LEADING
 from ur5lib.force.gate import TorqueVariances
 from ur5lib.force.problem import Problem, fmap_problem
-from ur5lib.force.push_directions import Place, places_of, push_directions
+from ur5lib.force.push_directions import Place, at_rest, places_of, push_directions
 from ur5lib.force.residual_model import Residuals
 from ur5lib.force.smallest_pushes import (
     FELT_SIZE,
@@ -68,12 +69,14 @@ def measure_pushes(
     arm: Robot,
     contact_force_n: float | None,
     trial_pushes: int,
+    pushed_posture: list[float] | None = None,
 ) -> DetectedPushes:
     """Return the pushes that are detected; empty where no push can be tried.
 
     For an arm fitted to a single path, pushes by direction and by force are left out. recordings:
     without contact; contact_force_n: [N], of a typical contact, None: by the arm's payload;
-    trial_pushes: least number on all recordings together.
+    trial_pushes: least number on all recordings together; pushed_posture: joints [°], for which
+    the push at rest is wanted, too. Raises InputError if it has another number of joints.
     """
     trials, places = dict[str, Trials](), list[Place]()
     least = trial_pushes // max(1, len(recordings))
@@ -96,8 +99,20 @@ def measure_pushes(
     most = float(together.force.max())
     felt = together.where(together.felt(FELT_SIZE * most))
     stated = dict(needed(felt))
-    directions = push_directions(places, stated, FELT_SIZE * most, most)
+    yours = None
+    if pushed_posture is not None and residuals.tau_ext is not None:
+        yours = at_rest(arm, _of_joints(pushed_posture, arm), residuals.tau_ext)
+    directions = push_directions(places, stated, FELT_SIZE * most, most, yours)
     return DetectedPushes(rows, [*directions], [*found_by_force(felt, {*stated}, most)])
+
+
+def _of_joints(posture: list[float], arm: Robot) -> list[float]:
+    if len(posture) != len(arm.joints):
+        raise InputError(
+            f"settings.pushes.posture_deg has {len(posture)} angles; {arm.name} has "
+            f"{len(arm.joints)} joints"
+        )
+    return posture
 
 
 def untouched(

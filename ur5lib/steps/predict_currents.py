@@ -16,6 +16,7 @@ from ur5lib.identification.currents import (
     band,
     friction_current,
     load_loss,
+    mixed_at_rest,
     predict,
     torque_constants,
 )
@@ -104,6 +105,8 @@ def predict_currents(
             load_torque = load_regressor(*states) @ payload.parameters
     record, load_torque = with_load(replace(record, day=recording.date), load_torque, fit, smooth)
     currents = predicted_currents(record, fit, load_torque, recording.torques, smooth, arm.measured)
+    if friction.usual is not None:
+        currents = with_usual_rest(currents, fit, friction.usual, record, smooth)
     if recording.untouched is not None:
         currents = tared(currents, motion, recording.untouched, smooth.cutoff)
     rivals = baselines(record, arm, friction.least_squares, signals)
@@ -140,6 +143,21 @@ def predicted_currents(
         friction_torque=constant * smooth(friction_current(fit, record), record),
         load_loss=smooth(load_loss(fit, record), record),
     )
+
+
+def with_usual_rest(
+    currents: Currents,
+    fit: CurrentFit,
+    usual: CurrentFit,
+    record: CurrentSamples,
+    smooth: ZeroPhaseLowpass,
+) -> Currents:
+    """Return the currents of a fit to one path with USUAL_AT_REST of the usual fit in the
+    prediction at rest.
+    """
+    predicted, constant = mixed_at_rest(fit, usual, record)
+    external = smooth(external_torque(constant, record.current, predicted), record)
+    return replace(currents, external_torque=external, predicted_current=predicted)
 
 
 def with_load(

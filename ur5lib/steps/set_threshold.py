@@ -3,12 +3,14 @@
 It is on the log-odds of contact or, for the controller's and the thesis's estimates, on |F| [N].
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
 from ur5lib.force.controller import further_or_controller
 from ur5lib.force.estimators import GATED, PUBLISHED
+from ur5lib.force.hidden_contacts import untouched_odds
+from ur5lib.force.residual_model import Residuals
 from ur5lib.force.thresholds import alarm_threshold, force_threshold
 from ur5lib.records.forces import Forces, FurtherForces
 from ur5lib.records.signals import Signals
@@ -23,6 +25,7 @@ Evidence = list[tuple[Mapping[str, Array], float]]  # by estimate, and period [s
 def set_threshold(
     forces: Mapping[str, Forces],
     signals: Mapping[str, Signals],
+    residuals: Residuals,
     arm: Robot,
     false_alarms_per_min: float,
     further: Mapping[str, FurtherForces] | None = None,
@@ -30,9 +33,12 @@ def set_threshold(
     """Return by estimate the threshold above which it raises an alarm.
 
     forces, signals, further: of the arm's `fit` recordings; without `further`, the controller's
-    estimate takes its place.
+    estimate takes its place. Contacts that hide in them, by `residuals`, do not count.
     """
-    odds: Evidence = [(dict(one.log_odds), one.period) for one in forces.values()]
+    odds: Evidence = [
+        (_free_odds(one, residuals.contacts.get(name, [])), one.period)
+        for name, one in forces.items()
+    ]
     rate = false_alarms_per_min
     found = thresholds(GATED, odds, alarm_threshold, rate)
     # without odds of contact, no force is stated, and there is nothing to compare with the
@@ -45,6 +51,12 @@ def set_threshold(
             sizes.append((force_sizes(stated.corrected), one.period))
         found |= thresholds([*PUBLISHED], sizes, force_threshold, rate)
     return found
+
+
+def _free_odds(forces: Forces, contacts: Sequence[tuple[float, float]]) -> dict[str, Array]:
+    """Return the log-odds of each estimate without some contacts, from and to [s]."""
+    since = forces.time - forces.time[0]
+    return {name: untouched_odds(own, since, contacts) for name, own in forces.log_odds.items()}
 
 
 def force_sizes(wrenches: Mapping[str, Array]) -> dict[str, Array]:

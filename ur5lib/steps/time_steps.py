@@ -10,7 +10,7 @@ SUMMED_COLUMNS = ["wall_s", "start_up_s", "cpu_s"]
 
 
 def time_steps(benchmarks: list[Path]) -> pd.DataFrame:
-    """Return a row for each step; benchmarks: of all jobs."""
+    """Return the rows of run_times.csv, one for each step; benchmarks: of all jobs."""
     jobs = pd.DataFrame(
         map(job, benchmarks), columns=["step", *SUMMED_COLUMNS, "max_rss_mb", "end"]
     )

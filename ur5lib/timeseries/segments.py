@@ -88,6 +88,16 @@ def inside_spans(parts: Iterable[Span], count: int) -> Mask:
     return inside
 
 
+def within(time: Array, parts: Iterable[tuple[float, float]], margin: float) -> Mask:
+    """Return the mask (N,) of times [s] inside any of the parts, from and to [s] since the first
+    time, or less than a margin [s] away.
+    """
+    since, inside = time - time[:1], np.zeros(len(time), bool)
+    for start, end in parts:
+        inside |= (since >= start - margin) & (since <= end + margin)
+    return inside
+
+
 def by_segment(
     function: Callable[..., Array], values: Array, segment: Labels, *settings: float
 ) -> Array:
