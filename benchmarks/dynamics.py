@@ -2,7 +2,8 @@
 
 Microseconds a state, medians of rounds in which all take turns; "x" is the median of the rounds'
 ratios to Pinocchio's loop. What is called in a Python loop is given at most LOOPED states: its
-time a state does not depend on their number.
+time a state does not depend on their number. Few states are given often, as a controller does:
+CALLED states in all.
 """
 
 import os
@@ -21,21 +22,23 @@ import torch
 from benchmarks.harness.options import options_of
 from benchmarks.harness.timing import seconds
 from ur5lib.dynamics.arm import build_arm
+from ur5lib.dynamics.one_state import OneState, pinocchio_model
 from ur5lib.dynamics.rigid_body import inertia_matrix, inverse_dynamics
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.robots.exports import urdf
 from ur5lib.robots.inertia import rigid_bodies
 
-LOOPED = 10_000
+LOOPED, CALLED = 10_000, 1_000
 MODEL = "C+rotors"
 REFERENCE = "pinocchio"
+ONE_BY_ONE = (REFERENCE, "mujoco", "one by one")
 
 
 @dataclass(frozen=True)
 class Effort:
     """Size of the benchmark: states, rounds, and whether fused functions are compiled."""
 
-    sizes: tuple[int, ...] = (100, 1_000, 3_000, 10_000, 100_000, 1_000_000)
+    sizes: tuple[int, ...] = (1, 100, 1_000, 3_000, 10_000, 100_000, 1_000_000)
     large: tuple[int, ...] = (100_000, 1_000_000, 10_000_000)
     rounds: int = 5
     fused: bool = True
@@ -82,6 +85,7 @@ def torque_contenders(robot: Robot, threads: int, effort: Effort) -> dict[str, C
         REFERENCE: pinocchio_loop(robot, pinocchio.rnea),
         "pinocchio, batched": pinocchio_batched(robot, threads),
         "mujoco": mujoco_loop(robot),
+        "one by one": our_loop(robot),
         **ours(robot, inverse_dynamics, effort),
     }
 
@@ -117,17 +121,9 @@ def ours(robot: Robot, term: Callable[..., object], effort: Effort) -> dict[str,
     }
 
 
-def pinocchio_model(robot: Robot) -> pinocchio.Model:
-    """Return the arm as a Pinocchio model."""
-    bodies = rigid_bodies(robot, MODEL)
-    model = pinocchio.buildModelFromXML(urdf(robot, bodies))
-    model.armature = bodies.rotor_inertia
-    return model
-
-
 def pinocchio_loop(robot: Robot, function: Callable[..., object]) -> Contender:
     """Return one of Pinocchio's functions, called for state after state."""
-    model = pinocchio_model(robot)
+    model, _ = pinocchio_model(robot, MODEL)
     data = model.createData()
 
     def prepare(states: States) -> Callable[[], object]:
@@ -139,12 +135,23 @@ def pinocchio_loop(robot: Robot, function: Callable[..., object]) -> Contender:
 
 def pinocchio_batched(robot: Robot, threads: int) -> Contender:
     """Return rneaInParallel, one call for all states."""
-    pool = pinocchio.ModelPool(pinocchio_model(robot), threads)
+    pool = pinocchio.ModelPool(pinocchio_model(robot, MODEL)[0], threads)
 
     def prepare(states: States) -> Callable[[], object]:
         columns = [np.asfortranarray(state.T) for state in states]
         torque = np.empty_like(columns[0], order="F")
         return lambda: pinocchio.rneaInParallel(threads, pool, *columns, torque)
+
+    return prepare
+
+
+def our_loop(robot: Robot) -> Contender:
+    """Return what `model.single()` calls, for state after state."""
+    arm = OneState(robot, MODEL)
+
+    def prepare(states: States) -> Callable[[], object]:
+        rows = list(zip(*(state[:LOOPED] for state in states), strict=True))
+        return lambda: [arm.inverse_dynamics(*row) for row in rows]
 
     return prepare
 
@@ -173,9 +180,10 @@ def row(contenders: dict[str, Contender], size: int, rounds: int) -> list[str]:
     """Return the columns of a table's line: each contender's time per state and relative speed."""
     states = random_states(size)
     calls = {name: prepare(states) for name, prepare in contenders.items()}
-    counts = {name: min(size, LOOPED) if name in (REFERENCE, "mujoco") else size for name in calls}
+    counts = {name: min(size, LOOPED) if name in ONE_BY_ONE else size for name in calls}
+    times = max(1, CALLED // size)
     measured = [
-        {name: 1e6 * seconds(call) / counts[name] for name, call in calls.items()}
+        {name: microseconds(call, times) / counts[name] for name, call in calls.items()}
         for _ in range(rounds + 1)
     ][1:]  # the first warms up, and compiles
     return [
@@ -183,6 +191,11 @@ def row(contenders: dict[str, Contender], size: int, rounds: int) -> list[str]:
         f"{statistics.median(r[REFERENCE] / r[name] for r in measured):>6.1f} x"
         for name in calls
     ]
+
+
+def microseconds(call: Callable[[], object], times: int) -> float:
+    """Return the time of a call [µs], mean of several."""
+    return 1e6 * seconds(lambda: [call() for _ in range(times)]) / times
 
 
 def random_states(size: int) -> States:

@@ -112,6 +112,18 @@ def test_a_damaged_file_of_settings_is_a_result_to_be_made_anew(
         study.arm("ur5") if "arm" in file else study.configuration()
 
 
+def test_results_are_read_where_their_recordings_are_gone(results: Path, tmp_path: Path) -> None:
+    """As those of a fit of what was given in memory, or of a folder that was moved."""
+    gone = {"format": "rtde-csv", "folder": str(tmp_path / "gone"), "file": "free.csv"}
+    entry = {"name": "free", "robot": "ur5", "role": "fit", **gone}
+    plain = {"study": "mine", "title": "Mine", "recordings": [entry]}
+    write_json(plain, results / "configuration.yaml")
+    assert StudyFiles(results).recording("free").folder == gone["folder"]
+    write_json(plain | {"recordings": [entry | {"role": "none"}]}, results / "configuration.yaml")
+    with pytest.raises(InputError, match=r"yaml: `recordings\[0\].role` is 'none'"):
+        StudyFiles(results).configuration()
+
+
 def test_verdicts_and_uses_are_frames(results: Path) -> None:
     rows = [Verdict(question="force", state="good"), Verdict(question="links", arm="1e5", joint=2)]
     write_rows(Verdict, rows, results / "tables" / "verdicts.csv")

@@ -7,16 +7,17 @@ from difflib import get_close_matches
 from functools import cache, cached_property
 from os.path import isdir, isfile  # unlike pathlib, false for names that are too long
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import pandas as pd
 
+from ur5lib.chain.by_joint import by_joint
 from ur5lib.chain.model import Model
 from ur5lib.chain.recordings import forces_of, frame_of
 from ur5lib.chain.shown import Shown
 from ur5lib.chain.steps import Files
 from ur5lib.channels import CURRENT, TORQUE
-from ur5lib.errors import InputError, expect_text, unknown
+from ur5lib.errors import InputError, briefly, expect_text, unknown
 from ur5lib.jobs.unreadable import reason
 from ur5lib.records.force_errors import SensorAccount
 from ur5lib.records.judgement import Judgement
@@ -27,9 +28,12 @@ from ur5lib.records.units import column_units
 from ur5lib.robots.description import Payload, Robot, load_robot
 from ur5lib.study.address import results_folder
 from ur5lib.study.model import Recording, Settings, Study
-from ur5lib.study.reading import parse_study, read_plain
+from ur5lib.study.reading import read_plain, study_of_results
 from ur5lib.tables import intact, read_csv, read_record
 from ur5lib.workspace.topics import modules_of_topics
+
+if TYPE_CHECKING:
+    import xarray
 
 Record = TypeVar("Record")
 FILES_OF_ARM = {  # files of an arm that a model needs
@@ -186,6 +190,8 @@ class FinishedStudy(Shown):
         Where no contact is found (`if_untouched`), the force is within ± `untouched_x` ... if
         nothing has touched since the arm came to rest; a contact of up to `hidden_x` ... could be
         hidden, of up to `hidden_at_all_x` ... since before [N]. `unsmoothed_x` ...: for peaks [N].
+        Of a contact in motion, `link` is the likeliest one, `off_flange` the probability that it is
+        not the last.
         """
         return forces_of(self._of_recording(recording, "forces"))
 
@@ -198,6 +204,13 @@ class FinishedStudy(Shown):
     def frame(self, recording: str, name: str) -> pd.DataFrame:
         """Return the samples in `recordings/<recording>/<name>.parquet`."""
         return frame_of(self._of_recording(recording, name))
+
+    def to_xarray(self, recording: str, name: str = "signals") -> xarray.Dataset:
+        """Return the frame of a recording with a dimension `joint`, from 1 as in tables.
+
+        Raises InputError without xarray, an extra.
+        """
+        return by_joint(self.frame(recording, name))
 
     def _of_recording(self, recording: str, name: str) -> Path:
         own = self._known(recording, self.recordings, "recording")
@@ -218,7 +231,7 @@ class FinishedStudy(Shown):
             name: self._existing("parameters", robot, file) for name, file in FILES_OF_ARM.items()
         }
         fitted = {one["name"]: self._fitted(one["name"]) for one in entries if one["role"] == "fit"}
-        return Model(settings, robot, {**arm}, fitted)
+        return Model._of(settings, robot, {**arm}, fitted, self.folder)
 
     def summary(self) -> pd.DataFrame:
         """Return role, length and worst finding of each recording."""
@@ -279,8 +292,8 @@ class FinishedStudy(Shown):
             return name
         near = get_close_matches(str(name), names, n=1) or sorted(names) or ["none"]
         raise InputError(
-            f"{self.folder} has no {kind} {name!r:.80}, but {', '.join(near)}; correct the name, "
-            "or `ur5 run` the study again"
+            f"{self.folder} has no {kind} {briefly(name)}, but {', '.join(near)}; correct the "
+            "name, or `ur5 run` the study again"
         )
 
 
@@ -298,7 +311,7 @@ class StudyFiles(FinishedStudy):
         path = self._existing("configuration.yaml")
         with intact(path):
             plain = read_plain(path)
-        return parse_study(plain, str(path))
+        return study_of_results(plain, str(path))
 
     def recording(self, name: str) -> Recording:
         """Return the entry of a recording in the study."""

@@ -1,6 +1,10 @@
 """Recordings that a caller has in memory, and calls that are wrong."""
 
+import os
 import pickle
+import re
+import subprocess
+import sys
 import warnings
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
@@ -14,8 +18,12 @@ import pyarrow as pa
 import pytest
 
 import ur5lib
+from tests.conftest import PROJECT
 from tests.in_memory import FREE
-from ur5lib.errors import RefusalError
+from ur5lib.errors import InputError, RefusalError
+from ur5lib.robots.description import load_robot, robot_path
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 from ur5lib.tables import write_table
 
 CHANNELS = ["actual_q", "actual_qd", "actual_current", "target_moment"]
@@ -126,16 +134,85 @@ def test_a_resting_log_takes_its_columns_from_a_moving_one_of_its_form(
     np.testing.assert_allclose(runs["recording_2"].q.median(), expected, atol=1e-5)
 
 
-def test_a_line_of_each_recording_is_printed(
-    table: pd.DataFrame, capsys: pytest.CaptureFixture[str]
+def test_a_line_of_each_recording_is_logged(
+    table: pd.DataFrame, caplog: pytest.LogCaptureFixture
 ) -> None:
     degrees = table[["timestamp", *columns_of("actual_q", "actual_current")]].copy()
     degrees[columns_of("actual_q")] = np.rad2deg(degrees[columns_of("actual_q")])
     runs = ur5lib.read({"one": degrees, "two": table}, "ur5e")
-    one, two = capsys.readouterr().out.splitlines()
+    one, two = caplog.messages
     assert one.startswith("one: fit, time [s], actual_q [deg]")
     assert two.startswith("two: fit, time [s]")
     assert {"recording", "taken_for", "reason"} <= {*runs.account}
+
+
+SAYS = """
+import logging, sys, ur5lib
+{before}
+ur5lib.read("recording.csv", "ur5e")
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "printed", "logged"),
+    [
+        ("", True, False),
+        ("logging.getLogger('ur5lib').setLevel('WARNING')", False, False),
+        ("logging.basicConfig(level='INFO', stream=sys.stderr)", False, True),
+    ],
+    ids=["as it is", "silenced", "logs are taken"],
+)
+def test_the_account_is_printed_where_nothing_takes_logs(
+    before: str, printed: bool, logged: bool, table: pd.DataFrame, tmp_path: Path
+) -> None:
+    table.to_csv(tmp_path / "recording.csv", index=False)
+    done = subprocess.run(
+        [sys.executable, "-c", SAYS.format(before=before)], cwd=tmp_path, text=True,
+        env={**os.environ, "PYTHONPATH": str(PROJECT)}, capture_output=True, check=True,
+    )  # fmt: skip
+    assert (done.stdout.startswith("recording: fit, time [s]")) == printed
+    assert ("INFO:ur5lib:recording: fit, time [s]" in done.stderr) == logged
+
+
+def test_a_recording_is_read_like_one_of_the_same_logger(
+    table: pd.DataFrame, tmp_path: Path
+) -> None:
+    """One at rest, and a short one, which show no joint, unit or order by themselves."""
+    nameless = table[["timestamp", *columns_of("actual_q", "actual_qd", "actual_current")]]
+    nameless = nameless.set_axis(range(nameless.shape[1]), axis=1)
+    moving = ur5lib.read(nameless, "ur5e")
+    rest = nameless[:300].copy()
+    rest[[*range(1, 19)]] = rest[[*range(1, 19)]].iloc[0].to_numpy()
+    rest.to_csv(tmp_path / "rest.csv", index=False, header=False)
+    with pytest.raises(ur5lib.InputError, match=r"no positions are found.*, or as `like`, or name"):
+        ur5lib.read(tmp_path / "rest.csv", "ur5e")
+    still = ur5lib.read(tmp_path / "rest.csv", role="contact", like=moving)
+    assert (still.robot, still.roles) == ("ur5e", {"rest": "contact"})
+    for own, other in ((still.q, moving.q), (still.current, moving.current)):
+        assert [*own] == [*other]
+        np.testing.assert_allclose(own.iloc[5], other.iloc[0])
+    again = ur5lib.read(nameless[200:320], like=pickle.loads(pickle.dumps(still)))
+    np.testing.assert_allclose(again.q.iloc[0], moving.q.iloc[200], atol=1e-6)
+    assert not any("/tmp" in text for text in still.account["taken_for"])
+    with pytest.raises(ur5lib.InputError, match=r"'free\.csv' is no recording that was read"):
+        ur5lib.read(tmp_path / "rest.csv", like="free.csv")
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_joint_that_moves_alone_brings_no_warning(table: pd.DataFrame) -> None:
+    columns = columns_of("actual_q", "actual_qd", "actual_current")
+    alone = table[["timestamp", *columns]].copy()
+    alone[[name for name in columns if not name.endswith("_0")]] = 0.0
+    run = ur5lib.read(alone.set_axis(range(alone.shape[1]), axis=1), "ur5e")
+    assert run.q["actual_q_0"].nunique() > 100
+
+
+def test_what_was_stated_of_one_holds_for_those_read_like_it(table: pd.DataFrame) -> None:
+    arrays = arrays_of(table)
+    stated: dict[str, Any] = {"columns": {"actual_q": "q"}, "unit": {"actual_current": "mA"}}
+    known = ur5lib.read(arrays, "ur5e", **stated)
+    own = ur5lib.read({name: values[100:] for name, values in arrays.items()}, like=known)
+    np.testing.assert_allclose(own.current.iloc[5], known.current.iloc[105], rtol=1e-6)
 
 
 def test_few_rows_give_no_warning(table: pd.DataFrame) -> None:
@@ -162,7 +239,8 @@ def test_every_public_object_is_the_same_after_it_was_pickled(
         assert str(pickle.loads(pickle.dumps(one))) == str(one)
     assert pickle.loads(pickle.dumps(study)).recordings == study.recordings == ["one"]
     public = {getattr(ur5lib, name) for name in dir(ur5lib)}
-    assert {one for one in public if isinstance(one, type)} == {*map(type, [*objects, study])}
+    kinds = {*map(type, [*objects, study]), ur5lib.RecordingWarning}
+    assert {one for one in public if isinstance(one, type)} == kinds
     refusal = RefusalError("short", "too short", "sampling")
     assert pickle.loads(pickle.dumps(refusal)).remark == refusal.remark
     again, runs = pickle.loads(pickle.dumps((model, pushed)))
@@ -231,9 +309,37 @@ def test_a_stop_sign_is_not_overruled_without_a_reason(free: ur5lib.Recordings) 
         ur5lib.fit(free, accept={"order": None})
 
 
+def test_two_recordings_of_one_name_are_not_taken_for_one(table: pd.DataFrame) -> None:
+    one, other = (ur5lib.read(part, "ur5e") for part in (table[:600], table[400:]))
+    with pytest.raises(InputError, match="two recordings are named recording; read them"):
+        ur5lib.fit([one, other])
+
+
 def test_what_a_study_or_a_file_lacks_is_told(table: pd.DataFrame) -> None:
     for stated in ({"rate": 125}, {"role": "fit"}):
         with pytest.raises(ur5lib.InputError, match="is a study: write columns"):
             ur5lib.read("mine.yaml", **stated)
     with pytest.raises(ur5lib.InputError, match="`columns` names speed, but it has timestamp"):
         ur5lib.read(table, columns={"actual_qd": "speed"})
+
+
+@pytest.mark.parametrize("mass", [0.0, 3.0])
+def test_a_load_held_throughout_is_warned_of(
+    model: ur5lib.Model, tmp_path: Path, mass: float
+) -> None:
+    """It is no part of the stated force."""
+    plan: dict[str, Any] = {
+        "trajectory": {"kind": "fourier", "draw": 9, "period_s": 12, "harmonics": 6},
+        "undeclared_payload": {"mass": mass, "center_of_mass": [0, 0, 0.06]},
+        "seed": 5,
+    }
+    plan = plan if mass else {**plan, "undeclared_payload": None}
+    arm = load_robot(robot_path("ur5e"))
+    simulate(arm, SimulatedRecording.model_validate(plan), "rtde-csv", tmp_path, tmp_path / "truth")
+    held = ur5lib.read(tmp_path / "robot.csv", "ur5e", role="contact")
+    with warnings.catch_warnings(record=True) as given:
+        warnings.simplefilter("always")
+        model.estimate(held)
+    told = [str(one.message) for one in given if one.category is ur5lib.RecordingWarning]
+    masses = [re.search(r"([\d.]+) kg held throughout, taken off the force", one) for one in told]
+    assert [float(own[1]) for own in masses if own] == pytest.approx([mass] * (mass > 0), rel=0.1)

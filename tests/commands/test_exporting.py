@@ -314,7 +314,7 @@ def test_an_interrupted_export_leaves_nothing(
     monkeypatch.setattr("ur5lib.commands.convert.savemat", interrupted)
     with pytest.raises(KeyboardInterrupt):
         exported(results, "mat")
-    assert [*(results / "exported").iterdir()] == []
+    assert not (results / "exported").exists()
 
 
 def test_a_second_conversion_at_the_same_time_is_refused(results: Path, run_ur5: Command) -> None:

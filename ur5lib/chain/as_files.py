@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 
-from ur5lib.errors import InputError, expect_text
+from ur5lib.errors import InputError, briefly, expect_text
 from ur5lib.tables import made, write_exactly
 
 UNNAMED = "recording"  # name of data that have none
@@ -143,7 +143,7 @@ def _numbers(values: Any) -> np.ndarray:
     try:
         array = np.asarray(values)
     except ValueError as error:
-        raise InputError(f"{values!r:.80} is no array of numbers: its rows differ") from error
+        raise InputError(f"{briefly(values)} is no array of numbers: its rows differ") from error
     if array.dtype.kind not in SECONDS:
         return array.astype({"b": float, "O": str}.get(array.dtype.kind, array.dtype))
     counted = array.astype(SECONDS[array.dtype.kind])
@@ -151,7 +151,7 @@ def _numbers(values: Any) -> np.ndarray:
 
 
 def _no_recording(given: object) -> InputError:
-    shown = " ".join(f"{given!r:.80}".split())
+    shown = briefly(given)
     return InputError(
         f"{shown} is no recording; give files, data frames, arrays (N, M), or arrays by name"
     )

@@ -8,7 +8,7 @@ import pandas as pd
 
 from ur5lib.chain.recordings import frame_of
 from ur5lib.chain.steps import Files
-from ur5lib.errors import InputError
+from ur5lib.errors import InputError, briefly
 from ur5lib.jobs.memory import record_of
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import CurrentError, current_errors
@@ -57,34 +57,47 @@ def friction_at(friction: Friction, velocity: object, load: object) -> pd.DataFr
     """Return the friction of each joint and its standard error by velocity; see `Model.friction`
     for velocity, load and columns.
 
-    Raises InputError if these are no numbers, or `load` has neither one nor n numbers.
+    Raises InputError if these are no numbers, or not as many as joints.
     """
     from ur5lib.identification.steady_friction import steady_friction  # scipy loads for a while
 
     joints = friction.fit.joints
-    qd = np.atleast_1d(numbers("velocity", velocity, "rad/s"))
-    loads = numbers("load", load, "Nm")
-    if loads.ndim and len(loads) != len(joints):
-        raise InputError(f"load has {len(loads)} numbers; give one, or {len(joints)}, by joint")
-    each = zip(joints, np.broadcast_to(loads, len(joints)).tolist(), strict=True)
-    values, stds = zip(*(steady_friction(joint, qd, size) for joint, size in each), strict=True)
+    qd = np.atleast_1d(numbers("velocity", velocity, "rad/s", len(joints)))
+    rows = qd if qd.ndim == 2 else np.repeat(qd[:, None], len(joints), axis=1)
+    loads = np.broadcast_to(_loads(load, rows), rows.shape)
+    each = zip(joints, rows.T, loads.T, strict=True)
+    values, stds = zip(*(steady_friction(*one) for one in each), strict=True)
     names = [name for of in ("", "_std") for name in columns(f"tau_friction{of}", len(joints))]
-    index = pd.Index(qd, name="velocity")
+    index = pd.RangeIndex(len(qd), name="row") if qd.ndim == 2 else pd.Index(qd, name="velocity")
     frame = pd.DataFrame(np.array([*values, *stds]).T, index, names)
-    frame.attrs["units"] = {"velocity": "rad/s"} | dict.fromkeys(names, "Nm")
+    units = {} if qd.ndim == 2 else {"velocity": "rad/s"}
+    frame.attrs["units"] = units | dict.fromkeys(names, "Nm")
     return frame
 
 
-def numbers(name: str, given: Any, unit: str) -> Array:
-    """Return a given number, or list of numbers, as an array () or (M,). Raises InputError for
-    anything else; name, unit: of the numbers, for the message.
+def _loads(load: object, rows: Array) -> Array:
+    """Return the loads [Nm] of rows (N, n) of velocities: one, (n,) by joint, or (N, n)."""
+    found = numbers("load", load, "Nm", rows.shape[1])
+    if found.ndim and found.shape not in (rows.shape[1:], rows.shape):
+        raise InputError(f"load has {found.size} numbers; give one, or {rows.shape[1]}, by joint")
+    return found
+
+
+def numbers(name: str, given: Any, unit: str, joints: int) -> Array:
+    """Return a given number, a row of numbers, or rows with one by joint, as an array () , (M,) or
+    (N, n). Raises InputError for anything else; name, unit: of the numbers, for the message.
     """
     try:
         found = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         found = np.empty(0)
-    if found.ndim > 1 or not found.size or not np.isfinite(found).all():
-        raise InputError(f"{name}: {given!r:.80}; give a number, or several in a row [{unit}]")
+    if found.ndim > 2 or not found.size or not np.isfinite(found).all():
+        raise InputError(f"{name}: {briefly(given)}; give a number, or several in a row [{unit}]")
+    if found.ndim == 2 and found.shape[1] != joints:
+        raise InputError(
+            f"{name} has the shape {found.shape}, but the arm {joints} joints; give one row, or "
+            f"(N, {joints}) [{unit}]"
+        )
     return found
 
 

@@ -3,14 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from numbers import Integral
+from typing import TYPE_CHECKING
 
 import pandas as pd
 from pydantic import ValidationError
 
+from ur5lib.chain.by_joint import by_joint
 from ur5lib.chain.shown import Shown, counted, frames
 from ur5lib.chain.steps import Chain, Files
-from ur5lib.channels import MOST_JOINTS, RECORDED_CHANNELS, columns
-from ur5lib.errors import InputError, expect_known, expect_text, perhaps, printable, some
+from ur5lib.channels import (
+    EFFORT_CHANNELS,
+    MOST_JOINTS,
+    RECORDED_CHANNELS,
+    UNKNOWN_UNIT,
+    columns,
+)
+from ur5lib.errors import InputError, briefly, expect_known, expect_text, perhaps, printable, some
 from ur5lib.jobs.memory import Content
 from ur5lib.records.account import AccountRow
 from ur5lib.records.quality import Finding, Quality
@@ -21,7 +30,11 @@ from ur5lib.study.model import Recording, Study
 from ur5lib.study.selection import Selection
 from ur5lib.tables import has_unit, read_footer, read_table, read_units, table_by_owner
 
+if TYPE_CHECKING:
+    import xarray
+
 NO_USE = ("stop", "error")  # severities of findings that prevent a fit
+UNIT_OF_THE_FILE = "unit of the file"  # of efforts of which nobody knows it
 
 
 class Arm(Shown):
@@ -84,6 +97,7 @@ class Recordings(Shown):
     ) -> None:
         """Take what was read of each; `ur5lib.read` makes them."""
         self._study, self._arm, self._files, self._qualities = study, arm, files, qualities
+        self._read_as: object = None  # how, for `read(..., like=)`
 
     @property
     def names(self) -> list[str]:
@@ -108,12 +122,16 @@ class Recordings(Shown):
         """Yield each recording as `Recordings` of one."""
         return map(self.__getitem__, self.names)
 
-    def __getitem__(self, names: str | Sequence[str]) -> Recordings:
+    def __getitem__(self, names: str | int | Sequence[str]) -> Recordings:
         """Return one recording, or several, in the order of these recordings.
 
-        Raises InputError for an unknown name, and for no name.
+        A number, from 0, is that of one. Raises InputError for an unknown name, and for no name.
         """
         asked = names if isinstance(names, list | tuple) and names else [names]
+        if isinstance(names, Integral):
+            asked = self.names[int(names) :][:1] if int(names) >= 0 else []
+        if not asked:
+            raise InputError(f"{len(self)} recordings have no number {names}, counted from 0")
         chosen = [expect_known("recording", name, self.names) for name in asked]
         entries = [one for one in self._study.recordings if one.name in chosen]
         return self._of(entries)
@@ -188,6 +206,33 @@ class Recordings(Shown):
         ]
         return pd.DataFrame(rows, columns=["recording", "severity", "detail"])
 
+    def to_xarray(self, device: str = "robot") -> xarray.Dataset:
+        """Return the samples of a device of one recording with a dimension `joint`, from 1 as in
+        tables; see `device`.
+
+        Raises InputError of several recordings, and without xarray, an extra.
+
+            >>> runs["free1"].to_xarray()["actual_current"].sel(joint=3).attrs["units"]
+            'A'
+        """
+        if len(self) > 1:
+            raise InputError(f"{some(self.names)} have times of their own; take one of them")
+        return by_joint(self.device(device))
+
+    def check(self) -> pd.DataFrame:
+        """Return the findings in the files, as `findings` does, where they may be used.
+
+        Raises InputError that lists the stop signs and errors, where `ur5 check` would fail.
+
+            >>> [*runs.check()]
+            ['recording', 'severity', 'detail']
+        """
+        stops = {name: self._stop_signs(name) for name in self.names}
+        lines = [f"{name}: {one.sentence()}" for name, own in stops.items() for one in own]
+        if lines:
+            raise InputError("\n".join(lines))
+        return self.findings()
+
     @property
     def account(self) -> pd.DataFrame:
         """Return how import interpreted each column: recording, and the columns of an `AccountRow`,
@@ -218,7 +263,7 @@ class Recordings(Shown):
             return self
         if not isinstance(reasons, Mapping):
             raise InputError(
-                f'accept: {reasons!r:.80} has no kinds; write {{"order": "why it is right"}}'
+                f'accept: {briefly(reasons)} has no kinds; write {{"order": "why it is right"}}'
             )
         if bare := [kind for kind, reason in reasons.items() if not isinstance(reason, str)]:
             raise InputError(f"accept: {some(bare)} without a reason; write why, as text")
@@ -238,7 +283,9 @@ class Recordings(Shown):
         """Return the recordings that have one of some entries in their study."""
         study = self._study.model_copy(update={"recordings": entries})
         files = {one.name: self._files[one.name] for one in entries}
-        return Recordings(study, self._arm, files, self._qualities)
+        chosen = Recordings(study, self._arm, files, self._qualities)
+        chosen._read_as = self._read_as
+        return chosen
 
     def _chain(self, study: Study) -> Chain:
         """Return a `Chain` that runs steps on these recordings, with copies of the results
@@ -303,12 +350,26 @@ class Recordings(Shown):
 
 
 def as_recordings(recordings: object) -> Recordings:
-    """Return `recordings` unchanged. Raises InputError for anything but the result of
-    `ur5lib.read`.
+    """Return recordings unchanged, a list of them as one. Raises InputError for anything but the
+    result of `ur5lib.read`, and for different recordings of one name.
     """
+    if isinstance(recordings, list | tuple) and {*map(type, recordings)} == {Recordings}:
+        first = recordings[0]
+        entries = [entry for one in recordings for entry in one._study.recordings]
+        named = dict[str, Recording]()
+        for one in entries:
+            if named.setdefault(one.name, one) != one:
+                raise InputError(
+                    f"two recordings are named {one.name}; read them together, by names of their "
+                    "own: ur5lib.read({name: file, …})"
+                )
+        files = {name: own for one in recordings for name, own in one._files.items()}
+        study = first._study.model_copy(update={"recordings": entries})
+        qualities = {name: one._qualities[name] for one in recordings for name in one.names}
+        return Recordings(study, first._arm, files, qualities)
     if not isinstance(recordings, Recordings):
         raise InputError(
-            f"{recordings!r:.80} is no recording that was read; put it through ur5lib.read first"
+            f"{briefly(recordings)} is no recording that was read; put it through ur5lib.read first"
         )
     return recordings
 
@@ -336,5 +397,7 @@ def frame_of(content: Content, columns: list[str] | None = None) -> pd.DataFrame
     names = None if columns is None else ["time", *(c for c in columns if c != "time")]
     frame = read_table(content, names).set_index("time")
     units = read_units(content)
+    if UNKNOWN_UNIT in units:
+        units |= {one: UNIT_OF_THE_FILE for one in units if one.startswith(EFFORT_CHANNELS)}
     frame.attrs["units"] = {name: units[name] for name in ("time", *map(str, frame.columns))}
     return frame

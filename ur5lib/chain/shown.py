@@ -1,14 +1,30 @@
 """Objects that show themselves on one screen of a terminal or notebook."""
 
+import logging
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from html import escape
+from typing import TextIO
 
 import pandas as pd
 
 from ur5lib.errors import printable
 
+LOGGER = logging.getLogger("ur5lib")
+
+
+class _Shown(logging.StreamHandler[TextIO]):
+    """Prints what nobody takes otherwise: lines of INFO, where no handler is set."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if not logging.root.handlers and LOGGER.handlers == [self]:
+            print(self.format(record))
+
+
+LOGGER.addHandler(_Shown())
+if LOGGER.level == logging.NOTSET:  # a user may have set it before
+    LOGGER.setLevel(logging.INFO)
 MOST_ROWS, MOST_LETTERS = 16, 50  # of a table; of a cell
 
 
@@ -22,6 +38,10 @@ class Shown:
     def summary(self) -> pd.DataFrame:
         """Return the table that shows it; numbers with their units in the column's names."""
         raise NotImplementedError
+
+    def __dir__(self) -> list[str]:
+        """Return the public names, which fit on a screen."""
+        return [name for name in super().__dir__() if not name.startswith("_")]
 
     def __repr__(self) -> str:
         """Return title and table as text."""
@@ -38,11 +58,14 @@ class Shown:
 @contextmanager
 def bar(count: int) -> Iterator[Callable[[str], None]]:
     """Provide a function that shows the next of `count` steps by name, in a bar on a terminal."""
+    if not sys.stderr.isatty():  # where rich would print an empty line
+        yield lambda _: None
+        return
     from rich.console import Console  # rich takes a tenth of a second, which only a fit needs
     from rich.progress import Progress
 
     console = Console(stderr=True, markup=False, emoji=False)
-    with Progress(console=console, transient=True, disable=not sys.stderr.isatty()) as progress:
+    with Progress(console=console, transient=True) as progress:
         task = progress.add_task("", total=count)
         started = iter(range(count))
         yield lambda name: progress.update(

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from importlib import metadata
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.errors import InputError, perhaps, unknown
 from ur5lib.finished import StudyFiles
 from ur5lib.identification.base_parameters import parameter_names
-from ur5lib.identification.currents import torque_constants
+from ur5lib.identification.currents import motor_torque
 from ur5lib.recordings.arm_joints import JOINTS
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
@@ -26,7 +27,8 @@ from ur5lib.robots.description import Robot, described
 from ur5lib.robots.exports import JointFriction, isaac, sdf, urdf
 from ur5lib.robots.inertia import rigid_bodies, written_bodies
 from ur5lib.robots.mjcf import mjcf
-from ur5lib.tables import json_text
+from ur5lib.study.turn import reserved
+from ur5lib.tables import json_text, write_text
 from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.timeseries.segments import DEAD_ZONE
@@ -45,7 +47,12 @@ OF_TOPICS = {
     for topic in modules_of_topics("exports").values()
     for name, write in topic.FORMATS.items()
 }
-FORMATS = (*WRITERS, "json", "sensor", *OF_TOPICS)
+FOLDERS = {
+    name: files_of
+    for topic in modules_of_topics("exports").values()
+    for name, files_of in getattr(topic, "FOLDERS", {}).items()
+}
+FORMATS = (*WRITERS, "json", "sensor", *OF_TOPICS, *FOLDERS)
 FITTED = ("constants", "currents")  # questions of verdicts.csv about what is fitted to an arm
 MIN_MOVING_SAMPLES = 100  # least number that determines a joint's friction
 UNIT_NOTE = "SI: m, kg, s, rad, N, Nm, A; joints from 1; low and high: the 95 % interval"
@@ -73,6 +80,8 @@ def exported(
     if to not in FORMATS:
         raise unknown("format", to, FORMATS)
     study = None if results is None else StudyFiles(results)
+    if to in FOLDERS:
+        raise InputError(f"--format {to} is a folder; name it by --output")
     if to in OF_TOPICS:
         return str(OF_TOPICS[to](study, robot, as_in, accept))
     if to == "sensor":
@@ -98,6 +107,27 @@ def exported(
         fitted = {name for names in parameters["fitted_on"].values() for name in names}
         parameters["files"] = {name: study.quality(name).read for name in sorted(fitted)}
     return json_text(parameters)
+
+
+def write_folder(
+    to: str, robot: str, results: Path | None, as_in: str, accept: str, folder: Path
+) -> None:
+    """Write an export of a topic that has several files, all or none; arguments: as of `exported`.
+
+    Raises InputError if the folder exists.
+    """
+    study = None if results is None else StudyFiles(results)
+    files = FOLDERS[to](study, robot, as_in, accept)
+    with reserved(folder), TemporaryDirectory(dir=folder.parent, prefix=".") as aside:
+        if folder.exists():
+            raise InputError(f"{folder} exists; name another by --output")
+        whole = Path(aside, folder.name)
+        whole.mkdir()
+        for name, text in files.items():
+            write_text(text, whole / name)
+            if text.startswith("#!"):
+                (whole / name).chmod(0o755)
+        whole.rename(folder)
 
 
 def _link_model(arm: Robot, robot: str, model: str | None, study: StudyFiles | None) -> str:
@@ -157,13 +187,6 @@ def friction_torque(fit: CurrentFit, study: StudyFiles, recording: str, model: s
     torques = study.record(Torques, recording)
     assert current is not None
     return motor_torque(fit, current) - torques.measured[model] - torques.payload_torque
-
-
-def motor_torque(fit: CurrentFit, current: Array) -> Array:
-    """Return the torque k i + b (N, n) [Nm] of currents (N, n) [A]."""
-    constant = torque_constants(fit)
-    offset = -constant * [joint.estimate.coefficients[1] for joint in fit.joints]
-    return np.asarray(current * constant + offset)
 
 
 def _coulomb_and_viscous(qd: Array, torque: Array) -> Array:
