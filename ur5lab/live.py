@@ -28,17 +28,21 @@ from ur5lib.finished import StudyFiles
 from ur5lib.tables import write_new
 from ur5lib.timeseries.metrics import NORMAL95
 from ur5lib.topics.live.arm_file import known_of_arm
-from ur5lib.topics.live.live import CONTACT, UNKNOWN, Answer, Live
+from ur5lib.topics.live.live import CONTACT, FREE, UNKNOWN, Answer, Live
 
 INPUTS = ("timestamp", "actual_q", "actual_qd", "actual_current")
+TORQUES = (*INPUTS[:3], "actual_current_as_torque")  # less gravity
 PARTS = ("Fx", "Fy", "Fz", "nx", "ny", "nz")
 UNITS = {"time": "s"}
 for prefix in ("live", "live_std"):
     UNITS |= {f"{prefix}_{part}": "N" if part[0] == "F" else "Nm" for part in PARTS}
-UNITS |= {"evidence": "1", "contact": "1", "known": "1", "late": "s"}
+UNITS |= {"evidence": "1", "contact": "1", "known": "1"}
+for name in ("untouched", "hidden", "hidden_at_all"):
+    UNITS |= {f"{name}_{axis}": "N" for axis in "xyz"}
+UNITS["late"] = "s"
 SHOWN_PERIOD = 0.2  # s
 
-Show = Callable[[float, Answer], None]
+Show = Callable[[float, Answer, str], None]
 
 
 @dataclass(frozen=True)
@@ -107,7 +111,13 @@ def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
     to its answer. The arm gets only the request for its samples. If the Parquet cannot be written,
     the CSV stays.
     """
-    with closing(connected(stream)) as client:
+    if estimator.input == "torque":
+        raise InputError(
+            "a UR states torques less gravity, and the arm was identified by whole ones; identify "
+            "it by the controller's currents"
+        )
+    inputs = TORQUES if estimator.input == "torque_less_gravity" else INPUTS
+    with closing(connected(stream, inputs)) as client:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             journal = journal_of(path, list(UNITS))
@@ -116,6 +126,8 @@ def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
                 f"{path} cannot be written ({error.strerror}); name another"
             ) from error
         why, lost = followed(client, estimator, stream, journal, show)
+    if estimator.refused:
+        why, lost = f"{why}; {estimator.refused}", True
     try:
         if journal.rows:
             path = _written(path, partial(_join, journal.path))
@@ -125,12 +137,12 @@ def record(estimator: Live, stream: Stream, path: Path, show: Show) -> Ended:
     return Ended(path, journal.rows, why, lost)
 
 
-def connected(stream: Stream) -> RtdeClient:
-    """Return the connection to the stream's controller, which sends INPUTS."""
+def connected(stream: Stream, inputs: tuple[str, ...] = INPUTS) -> RtdeClient:
+    """Return the connection to the stream's controller, which sends `inputs`."""
     client = RtdeClient(stream.address, stream.port)
     try:
         rate = RATE_BY_MAJOR_VERSION.get(client.software[0], DEFAULT_RATE)
-        if missing := {*INPUTS} - {*client.start(INPUTS, rate)}:
+        if missing := {*inputs} - {*client.start(inputs, rate)}:
             names = ", ".join(sorted(missing))
             raise InputError(f"the controller at {stream.address} does not state {names}")
     except BaseException:
@@ -155,7 +167,7 @@ def followed(
                 journal.write(_answered(estimator, *package) for package in packages)
                 if time.monotonic() - shown > SHOWN_PERIOD:
                     shown = time.monotonic()
-                    show(shown - begin, estimator.answer)
+                    show(shown - begin, estimator.answer, estimator.reason)
     except DeviceLost as error:
         return str(error), True
     except KeyboardInterrupt as error:
@@ -197,30 +209,39 @@ def _join(part: Path, aside: Path) -> None:
 
 
 def _answered(estimator: Live, arrived: float, values: tuple[float, ...]) -> str:
-    """Return the CSV row with the estimator's answer to a package of INPUTS; arrived: when it did
-    [s, monotonic].
+    """Return the CSV row with the answer to a package of the estimator's inputs; arrived: when it
+    did [s, monotonic].
     """
     stamp, q, qd, current = values[0], values[1:7], values[7:13], values[13:19]
-    wrench, std, contact = estimator.step(stamp, q, qd, current)
+    wrench, std, contact, *limits = estimator.step(stamp, q, qd, current)
     known = contact == CONTACT, contact != UNKNOWN
     late = time.monotonic() - arrived
-    row = stamp, *wrench.tolist(), *std.tolist(), estimator.evidence, *known, late
+    limited = [value for limit in limits for value in limit.tolist()]
+    row = stamp, *wrench.tolist(), *std.tolist(), estimator.evidence, *known, *limited, late
     return ",".join(map(repr, row))
 
 
-def in_words(seconds: float, answer: Answer) -> str:
-    """Return an answer as a line of text; seconds: since the start."""
+def in_words(seconds: float, answer: Answer, reason: str) -> str:
+    """Return an answer, and why nothing is known, as a line of text; seconds: since the start.
+
+    Of a free arm, the line has the largest contact that could be hidden along an axis.
+    """
     force = "  ".join(
         f"{axis} {value:+6.1f} ± {NORMAL95 * std:4.1f}"
         for axis, value, std in zip("xyz", answer.wrench, answer.std, strict=False)
     )
-    return f"{seconds:8.1f} s  {answer.contact:8}  {force} N"
+    line = f"{seconds:8.1f} s  {answer.contact:9}  {force} N  {reason}".rstrip()
+    if answer.contact != FREE:
+        return line
+    hidden, before = answer.hidden.max(), answer.hidden_at_all.max()
+    line = f"{line}; a contact of up to {hidden:.0f} N could be hidden"
+    return line if before < hidden + 0.5 else f"{line}, {before:.0f} N if it began before the rest"
 
 
 def shown_on(view: Display) -> Show:
     """Return a function that shows an answer on a terminal."""
-    return lambda seconds, answer: view.update(in_words(seconds, answer), refresh=True)
+    return lambda *now: view.update(in_words(*now), refresh=True)
 
 
-def _nothing(seconds: float, answer: Answer) -> None:
+def _nothing(seconds: float, answer: Answer, reason: str) -> None:
     """Do nothing, in place of showing an answer, where there is no terminal."""

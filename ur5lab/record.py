@@ -25,10 +25,11 @@ from ur5lab.recorder.commanded_motion import (
 )
 from ur5lab.recorder.device import of_recorder
 from ur5lab.recorder.move_program import is_program, planned_motion, read_program
-from ur5lab.recorder.session import Session, left_behind, taken, write_manifest
+from ur5lab.recorder.session import Session, is_taken, left_behind, taken, write_manifest
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot
 from ur5lib.study.devices import LabSettings
+from ur5lib.study.turn import reserved
 from ur5lib.timeseries.arrays import Array
 
 POLL_PERIOD = 0.25  # s between queries of the devices' state
@@ -69,7 +70,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
     folder = Path("raw", study.name(), checked_name(options.name))
     for line in filter(None, map(left_behind, sorted(folder.parent.glob("*")))):
         console.print(line)
-    if folder.exists():
+    if is_taken(folder):
         raise taken(folder)
     _expect_extra(study, options)
     laboratory: AbstractContextManager[LabSettings] = (
@@ -77,7 +78,7 @@ def record(path: Path, options: RecordOptions, console: Console) -> int:
         if options.emulate
         else nullcontext(study.lab())
     )
-    with laboratory as lab:
+    with reserved(folder), laboratory as lab:
         devices = {n: d for n, d in lab.devices().items() if n not in options.without}
         address = lab.robot.address
         motion = None

@@ -1,5 +1,5 @@
 // Answers of live.hpp to samples: `live_samples arm.json` reads lines of time, q, qd, current from
-// standard input (qd: "none" where there is none), and prints wrench, std, contact and evidence.
+// standard input (qd: "none" where there is none), and prints wrench, std, limits, torques, states, contact, evidence.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -40,10 +40,12 @@ int main(int, char** arguments) {
     took.push_back(std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count());
     for (double value : now.wrench) std::printf("%.17g ", value);
     for (double value : now.std) std::printf("%.17g ", value);
+    for (const live::Vector& limit : {now.untouched, now.hidden, now.hidden_at_all})
+      for (double value : limit) std::printf("%.17g ", value);
     for (int k = 0; k < n; ++k) std::printf("%.17g %d ", arm.torque[k], arm.state[k]);
     std::printf("%d %.17g\n", now.contact, arm.evidence);
   }
   std::sort(took.begin(), took.end());
-  std::fprintf(stderr, "%ld allocations, median %.3f us, 99th percentile %.3f us\n", allocations,
-               took[took.size() / 2], took[took.size() * 99 / 100]);
+  std::fprintf(stderr, "%ld allocations, median %.3f us, 99th percentile %.3f us\nreason: %s\n", allocations,
+               took[took.size() / 2], took[took.size() * 99 / 100], arm.reason());
 }

@@ -19,7 +19,7 @@ import pytest
 
 from tests.conftest import PROJECT
 from tests.lab.test_recorder_faults import HERE, controller
-from tests.topics.live.made_arm import PERIOD, POSTURE, arm_file
+from tests.topics.live.made_arm import PERIOD, POSTURE, arm_file, exported
 from ur5lab import rtde_variables as rtde
 from ur5lab.journal import FLUSH_PERIOD, journal_of, left_behind
 from ur5lab.live import INPUTS, Ended, Show, Stream, record
@@ -148,6 +148,36 @@ def test_two_starts_at_once_have_two_journals(
     assert [one.path.read_text() for one in (first, second)] == ["time\n0.5\n", "time\n0.6\n"]
     first.close()
     second.close()
+
+
+def test_an_arm_that_was_identified_by_torques_gets_no_currents(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A controller before 5.23 states no torques."""
+
+    def serve(client: socket.socket) -> None:
+        with suppress(struct.error):  # where it is not asked to start
+            stream_of(silence)(client)
+
+    monkeypatch.setattr(rtde_arm.RtdeClient, "start", lambda *_: INPUTS)
+    less, path = Live(exported("torque_less_gravity")), tmp_path / "live.parquet"
+    lacks = "does not state actual_current_as_torque"
+    with controller(serve) as port, pytest.raises(InputError, match=lacks):
+        record(less, Stream(HERE, 1.0, port), path, print)
+    whole = Live(exported("torque"))
+    with pytest.raises(InputError, match="by whole ones; identify it"):
+        record(whole, Stream(HERE, 1.0, port), path, print)
+
+
+def test_refused_efforts_are_told_at_the_end(tmp_path: Path) -> None:
+    estimator = Live(exported())
+    assert estimator.efforts is not None
+    estimator.efforts.refused = "of another kind"
+    with controller(stream_of(silence, count=1)) as port:
+        stream = Stream(HERE, 0.3, port)
+        ended = record(estimator, stream, tmp_path / "live.parquet", lambda *_: None)
+    assert ended.failed
+    assert ended.in_words().endswith("; of another kind")
 
 
 def test_nothing_came(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from ur5lab.live import Stream, in_words, record
 from ur5lib.errors import InputError
 from ur5lib.stand.plan import SimulatedRecording, Standstill
 from ur5lib.tables import read_table, read_units
-from ur5lib.topics.live.live import UNKNOWN, Answer, Live
+from ur5lib.topics.live.live import FREE, UNKNOWN, Answer, Live
 
 HERE = "127.0.0.1"
 LATEST = 0.01  # s, after its arrival, that a sample may be answered
@@ -87,7 +87,11 @@ def test_no_controller_is_told(tmp_path: Path) -> None:
 
 
 def test_an_answer_is_a_line() -> None:
-    answer = Answer(np.array([1.0, -20.0, 3.0, 0, 0, 0]), np.ones(6), UNKNOWN)
-    line = in_words(12.34, answer)
+    limits = 2.0 * np.ones(3), np.array([3.0, 14.0, 5.0]), np.array([3.0, 14.0, 37.0])
+    answer = Answer(np.array([1.0, -20.0, 3.0, 0, 0, 0]), np.ones(6), UNKNOWN, *limits)
+    line = in_words(12.34, answer, "it rests")
     assert line.split()[:3] == ["12.3", "s", UNKNOWN]
     assert "y  -20.0 ±  2.0" in line
+    assert line.endswith("it rests")
+    free = in_words(12.34, answer._replace(contact=FREE), "")
+    assert "a contact of up to 14 N could be hidden, 37 N if it began before" in free

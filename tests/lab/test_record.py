@@ -28,6 +28,7 @@ from ur5lab.recorder import display
 from ur5lab.recorder.capture import Status
 from ur5lab.recorder.commanded_motion import CommandedMotion, dense_path, read_motion, refusals
 from ur5lab.recorder.device import Identity
+from ur5lab.recorder.session import is_taken, new_folder
 from ur5lab.rtde_variables import RuntimeState
 from ur5lib.channels import columns
 from ur5lib.cli import app
@@ -287,8 +288,23 @@ def test_a_name_that_is_no_new_folder_is_refused(study: Path) -> None:
     with pytest.raises(InputError, match="cannot name a recording"):
         record(study, RecordOptions("../run", "contact"), console())
     Path("raw/lab/run").mkdir(parents=True)
+    Path("raw/lab/run/robot.csv").write_text("of another")
     with pytest.raises(InputError, match="raw/lab/run exists"):
         record(study, RecordOptions("run", "contact"), console())
+
+
+def test_an_empty_folder_is_no_recording(tmp_path: Path) -> None:
+    """A recorder that was killed at its start leaves one."""
+    new_folder(tmp_path / "run")
+    assert not is_taken(tmp_path / "run")
+    new_folder(tmp_path / "run")
+    (tmp_path / "run" / "robot.csv").write_text("of another")
+    assert is_taken(tmp_path / "run")
+    with pytest.raises(InputError, match="run exists; give the recording another name"):
+        new_folder(tmp_path / "run")
+    assert is_taken(tmp_path / "run" / "robot.csv")
+    with pytest.raises(InputError, match="exists; give"):
+        new_folder(tmp_path / "run" / "robot.csv")
 
 
 def test_a_folder_that_another_start_makes_at_this_moment_is_refused(

@@ -32,6 +32,7 @@ from ur5lab.doubles.live_arm import LiveArm
 from ur5lab.doubles.streams import RealtimeServer, RtdeServer
 from ur5lab.doubles.transmission import TransmissionFaults
 from ur5lab.doubles.true_states import TrueStates
+from ur5lib.commands.processes import end_with_parent
 from ur5lib.errors import InputError
 from ur5lib.robots.description import Robot, load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording, Standstill
@@ -158,6 +159,7 @@ class ControllerDouble:
 
 
 def _run(setup: ControllerSetup, states: Path, line: Connection) -> None:
+    end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started it
     # `select` wakes within microseconds of the set time, `epoll` within 1 ms.
     loop = asyncio.SelectorEventLoop(selectors.SelectSelector())

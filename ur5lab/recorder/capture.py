@@ -1,6 +1,7 @@
 """One device, recorded into its file by a process of its own."""
 
 import copy
+import multiprocessing
 import os
 import queue
 import signal
@@ -16,6 +17,7 @@ from typing import Any
 from ur5lab.journal import Journal
 from ur5lab.recorder.device import Device, DeviceLost, NewSamples, Packets
 from ur5lab.recorder.opened import opened
+from ur5lib.commands.processes import end_with_parent
 from ur5lib.errors import InputError
 from ur5lib.study.devices import DeviceSettings
 
@@ -87,6 +89,9 @@ def capture(
     zero: as in SampleFile.write. Sends through `line`: first the device's entry for the manifest,
     or why it cannot be recorded; then its Status repeatedly, and once at the end.
     """
+    end_with_parent()
+    started_by = multiprocessing.parent_process()  # which may have ended meanwhile
+    parent = os.getppid() if started_by is None or started_by.pid is None else started_by.pid
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the recorder handles Ctrl-C
     try:
         device = opened(settings)
@@ -94,7 +99,7 @@ def capture(
         line.send(str(error))
         return
     line.send(device.identity)
-    status, parent = Status(), os.getppid()
+    status = Status()
     with closing(device):  # after the last report, since a device may take long to answer
         try:
             _record(device, path, zero, line, stop, status, parent)

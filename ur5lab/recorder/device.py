@@ -8,15 +8,13 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from importlib import import_module
-from shlex import join
 from typing import Any, Protocol
 
 import numpy as np
 
 from ur5lib.errors import InputError
 from ur5lib.timeseries.arrays import Array
-from ur5lib.workspace.beside import extra
+from ur5lib.workspace.beside import of_extra
 
 CHUNK_BYTES = 1 << 16  # bytes read at a time
 MAX_GAP = 10.0  # s; after a longer jump, the counter is damaged or was restarted
@@ -35,12 +33,7 @@ def of_recorder(module: str, purpose: str) -> Any:
     """Return a module that the extra `record` installs; purpose: for the message. Raises InputError
     where it is not installed.
     """
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise InputError(
-            f"{purpose} needs the extra `record`; install it: pip install {join(extra('record'))}"
-        ) from error
+    return of_extra("record", module, purpose)
 
 
 @dataclass(frozen=True)

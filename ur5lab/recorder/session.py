@@ -1,9 +1,11 @@
 """A session: all devices recorded together, each by its own process, and its manifest."""
 
+import errno
 import multiprocessing
 import platform
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -124,11 +126,22 @@ class Session:
 
 
 def new_folder(folder: Path) -> None:
-    """Make a recording's folder. Raises InputError if it exists, even since a moment ago."""
+    """Make a recording's folder, in place of an empty one. Raises InputError if it exists, even
+    since a moment ago.
+    """
     try:
+        with suppress(FileNotFoundError):
+            folder.rmdir()
         folder.mkdir(parents=True)
-    except FileExistsError as error:
+    except OSError as error:
+        if error.errno not in (errno.ENOTEMPTY, errno.EEXIST, errno.ENOTDIR):
+            raise
         raise taken(folder) from error
+
+
+def is_taken(folder: Path) -> bool:
+    """Return whether a recording, or a file, has the name already; an empty folder is none."""
+    return folder.exists() and not (folder.is_dir() and not any(folder.iterdir()))
 
 
 def taken(folder: Path) -> InputError:

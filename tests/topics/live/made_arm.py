@@ -31,6 +31,24 @@ def arm_file(noise: float = 0.3, **constants: float) -> dict[str, Any]:
     }
 
 
+def exported(input: str = "current", **changed: Any) -> dict[str, Any]:
+    """Return the arm's file as it is exported, with the kind of its efforts."""
+    arm = arm_file() | changed
+    own = {"input": input, "motor_constant": CONSTANT.tolist()}
+    if input != "current":
+        own["torque_constant"] = [1.0] * 6
+        own["current"] = (CONSTANT * arm["current"]).tolist()
+    return arm | own
+
+
+def efforts_of(run: Measured, input: str) -> Array:
+    """Return the efforts (N, n) of a run in amperes as a controller of another kind states them."""
+    torque = CONSTANT * run.current
+    gravity = Live(arm_file()).sweep(run.q, 0 * run.q).gravity
+    kinds = {"current": run.current, "torque": torque, "torque_less_gravity": torque - gravity}
+    return kinds[input]
+
+
 def samples(seconds: float, moving: bool, wrench: Any = None, noise: float = 0.1) -> Measured:
     """Return what the controller states of a motion, or of a rest after a motion of 2 s.
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
-from tests.topics.live.made_arm import arm_file, samples
+from tests.topics.live.made_arm import exported, samples
 from ur5lib.topics.live.live import FORMAT, Live
 
 HEADER = PROJECT / "ur5lib" / "topics" / "live"
@@ -35,7 +35,7 @@ Damage = Callable[[str, np.random.Generator], str]
 
 def right_file() -> dict[str, Any]:
     """Return the file of an arm, with parts that the estimator does not read."""
-    return {"format": "", "arm": 'a \u00e9 " [[[', "judged_on": [], **arm_file()} | {
+    return {"format": "", "arm": 'a \u00e9 " [[[', "judged_on": [], **exported()} | {
         "threshold": {"log_odds": 3.0, "false_per_min": 0.2, "minutes": 5.0},
         "smallest_pushes": [{"value": None}],
         "gravity": [0.0, 0.1, -9.8],
@@ -56,7 +56,7 @@ def leaves(value: Any, place: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
 def with_change(text: str, random: np.random.Generator, change: Callable[[Any, Any], None]) -> str:
     """Return a file with a change of one of its parts, drawn among keys first, then further in."""
     arm = json.loads(text)
-    value, places = arm, leaves({key: arm[key] for key in arm_file()})
+    value, places = arm, leaves({key: arm[key] for key in exported()})
     *way, key = places[random.integers(len(places))]
     for one in way:
         value = value[one]
@@ -139,6 +139,7 @@ DAMAGES += (
         ('{"format"', '\v{"format"'),
         ('"load": [', '"load": [25.0, '),
         ('"sizes": [', '"size": ['),
+        ('"input": "current"', '"input": []'),
     ),
     lambda text, random: text + str(random.choice(["}", " \n", "\x00", "{}", "//", "\f"])),
     lambda _, random: 200_000 * str(random.choice(["[", '{"a":', '["', "[1,"])),
@@ -202,7 +203,7 @@ def test_damaged_files_have_the_same_verdict_in_both(
     assert own.count("refused") > 250
     assert own.count("taken") > 20
     schema = json.loads((HEADER / "live.schema.json").read_text())
-    read = {**schema, "required": [*arm_file()], "additionalProperties": True}
+    read = {**schema, "required": [*exported()], "additionalProperties": True}
     read["properties"] = {key: schema["properties"][key] for key in read["required"]}
     for path, said in zip(files, own, strict=True):
         if said == "taken":

@@ -1,7 +1,10 @@
 """The live estimator of the default study: what is exported, and what the report shows of it."""
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import jsonschema
@@ -9,12 +12,13 @@ import numpy as np
 import pytest
 
 from tests.conftest import Workflow
-from ur5lib.commands.exported import exported
+from ur5lib.commands.exported import exported, write_folder
 from ur5lib.errors import InputError
 from ur5lib.finished import StudyFiles
 from ur5lib.records.signals import Signals
 from ur5lib.records.verdicts import Verdict
 from ur5lib.tables import read_json, write_rows
+from ur5lib.topics.live.exports import NODE
 from ur5lib.topics.live.live import Live
 
 pytestmark = pytest.mark.slow
@@ -48,6 +52,28 @@ def test_what_the_live_estimator_needs_is_exported(results: Path, tmp_path: Path
     path.write_text(json.dumps(read_json(path) | refused))
     with pytest.raises(InputError, match="no force of ur5 is stated: "):
         exported("ur5", None, "live", tmp_path, "")
+
+
+def test_the_folder_of_a_node_has_all_it_needs(results: Path, tmp_path: Path) -> None:
+    """But rclpy; it replaces no other folder, and is written as a whole."""
+    folder = tmp_path / "force"
+    write_folder("ros2", "ur5", results, "", "", folder)
+    assert {own.name for own in folder.iterdir()} == {*NODE, "arm.json"}
+    assert os.access(folder / "ur5_force.py", os.X_OK)
+    call = "from live import Live; print(Live.load('arm.json').input)"
+    done = subprocess.run(
+        [sys.executable, "-c", call], cwd=folder, capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "current\n"
+    for node in ("ur5_force.py", "ur5_force.launch.py"):
+        compile((folder / node).read_text(), node, "exec")
+    with pytest.raises(InputError, match="force exists; name another"):
+        write_folder("ros2", "ur5", results, "", "", folder)
+    with pytest.raises(InputError, match="ur7"):
+        write_folder("ros2", "ur7", results, "", "", tmp_path / "other")
+    assert [*tmp_path.iterdir()] == [folder]
+    with pytest.raises(InputError, match="ros2 is a folder; name it by --output"):
+        exported("ur5", None, "ros2", results, "")
 
 
 def test_it_carries_the_reason_for_which_a_verdict_is_overruled(

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import PROJECT
-from tests.topics.live.made_arm import arm_file, push, samples
+from tests.topics.live.made_arm import exported, push, samples
 from tests.topics.live.test_live import HEADER, stream_of, written
 from ur5lib.commands.exported import ROS_NAMES
 from ur5lib.timeseries.arrays import Array
@@ -98,7 +98,7 @@ def test_the_sketch_for_ros_answers_as_the_reference(
     velocities: bool, node: Path, tmp_path: Path
 ) -> None:
     """A gripper's joint stands between those of the arm, and one message lacks one of these."""
-    arm, run = arm_file(), samples(8.0, True, push(5.0, 6.0, 20.0, 0.0, 5.0))
+    arm, run = exported(), samples(8.0, True, push(5.0, 6.0, 20.0, 0.0, 5.0))
     run = run if velocities else run._replace(qd=None)
     (tmp_path / "arm.json").write_text(json.dumps(arm))
     reference, lines, expected = Live(arm), [], []

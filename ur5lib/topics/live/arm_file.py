@@ -6,17 +6,20 @@ from typing import Any
 import numpy as np
 
 from ur5lib import __version__
+from ur5lib.channels import CURRENT
+from ur5lib.commands.exported import ROS_NAMES
 from ur5lib.errors import InputError
 from ur5lib.finished import StudyFiles
 from ur5lib.force.sensed_contact import in_contact
 from ur5lib.jobs.unreadable import reason
+from ur5lib.records.codes import Found
 from ur5lib.records.contact_place import ContactPlace
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.friction import Friction
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
-from ur5lib.robots.description import Payload
+from ur5lib.robots.description import Payload, Robot
 from ur5lib.study.model import Recording
 from ur5lib.timeseries.segments import runs
 from ur5lib.topics.live.live import FORMAT
@@ -25,6 +28,7 @@ from ur5lib.topics.live.rows import LiveForces
 
 PUSH_COLUMNS = ["motion", "axis", "value", "low", "high", "bound", "largest_tried", "seconds"]
 PUSH_COLUMNS += ["trials", "blind"]
+USUAL_CONSTANT = 10.0  # Nm/A
 UNITS = "SI: m, kg, s, rad, N, Nm, A; links in the axes of their joint, joints from 1"
 
 
@@ -51,16 +55,44 @@ def known_of_arm(study: StudyFiles, robot: str, as_in: str) -> dict[str, Any]:
     place = places.pop() if len(places) == 1 else ContactPlace()
     others = [entry for entry in entries if entry.name not in friction.from_]
     head = {"format": FORMAT, "units": UNITS, "exported_by": f"ur5lib {__version__}"}
+    known = numbers(mounted, friction, "", payload, place, force)
     return (
         head
         | {"arm": robot, "payload": payload and payload.model_dump(mode="json")}
-        | numbers(mounted, friction, "", payload, place, force)
+        | {"joints": ROS_NAMES if arm.is_ur() else [f"joint_{k}" for k in arm.joint_numbers]}
+        | with_input(known, arm, input_of(study, friction.from_))
         | live.known
         | {"validity": _validity(study, entries, friction.from_)}
         | {"smallest_pushes": [*_pushes(study, robot)]}
         | {"judged_on": [*_judged(study, others)]}
         | {"fitted_on": {name: study.quality(name).read for name in friction.from_}}
     )
+
+
+def input_of(study: StudyFiles, names: list[str]) -> str:
+    """Return the kind of effort (`KINDS`) that the fitted recordings have."""
+    codes = {found.code for name in names for found in study.quality(name).findings}
+    if Found.GRAVITY_ADDED in codes:
+        return "torque_less_gravity"
+    measured = study.arm(study.recording(names[0]).arm.known_as).measured
+    return "torque" if Found.CURRENTS_FROM_TORQUES in codes else measured.quantity
+
+
+def with_input(known: dict[str, Any], arm: Robot, input: str) -> dict[str, Any]:
+    """Return an arm's numbers in the unit of its efforts, with their kind, and the motors'
+    documented torque constants; 10 Nm/A, the usual one, where these are unknown.
+    """
+    documented = np.array(arm.maker_torque_constants())
+    if arm.measured != CURRENT:  # gains of 1 Nm/Nm
+        documented = np.full(len(documented), np.nan)
+    own = known["torque_constant"] if input == "current" else [USUAL_CONSTANT] * len(documented)
+    motor = np.where(np.isnan(documented), own, documented)
+    if input != "current" and arm.measured == CURRENT:  # recordings were divided by these
+        known |= {
+            "torque_constant": (known["torque_constant"] / motor).tolist(),
+            "current": (known["current"] * motor).tolist(),
+        }
+    return known | {"input": input, "motor_constant": motor.tolist()}
 
 
 def carried(study: StudyFiles, recording: str) -> Payload | None:

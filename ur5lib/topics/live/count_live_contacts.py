@@ -1,6 +1,7 @@
 """The contacts that the live estimator finds in a recording, compared with those at the sensor."""
 
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from ur5lib.force.estimators import LEADING
 from ur5lib.records.contacts import Contact, Contacts
 from ur5lib.records.forces import SensorWrenches
 from ur5lib.records.step import step
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.segments import Span, runs
 from ur5lib.topics.live.rows import LiveDetection, LiveForces
 
@@ -33,11 +34,26 @@ def count_live_contacts(
         if one.estimate == LEADING and (one.kind == "load" or one.off_flange)
     ]
     raised = [(first, last) for first, last in runs(live.contact).tolist()]
-    unknown = 1.0 - float(live.known.mean())
+    own: Any = {"unknown": 1.0 - float(live.known.mean())}
+    own |= hidden(live, live.known & ~live.contact)
     return [
-        LiveDetection(**{name: row[name] for name in NAMES if name in row}, unknown=unknown)
+        LiveDetection(**{name: row[name] for name in NAMES if name in row}, **own)
         for row in matched(raised, sensor, unfelt).rows()
     ]
+
+
+def hidden(live: LiveForces, free: Mask) -> dict[str, float]:
+    """Return the median contact [N] that could be hidden at free samples, by column; empty without
+    such samples.
+
+    free: (N,), where no contact is stated.
+    """
+    limits = {"hidden_n": live.hidden, "hidden_at_all_n": live.hidden_at_all}
+    return {
+        name: float(np.median(limit.max(axis=1)[free]))
+        for name, limit in limits.items()
+        if limit is not None and free.any()
+    }
 
 
 def samples_of(alarm: Contact, time: Array) -> Span:

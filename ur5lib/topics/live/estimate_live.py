@@ -44,7 +44,7 @@ def estimate_live(
     load = recording.prediction.with_load(premises.load.payload)
     about = recording.name, load, premises.place, contact_force_n
     own = numbers(arm.mounted(recording.gravity), friction, *about)
-    found = follow({**own, **live.known}, run)
+    found = follow({**own, **live.known}, run, limited=True)
     return LiveForces(
         time=signals.time,
         segment=signals.segment,
@@ -53,4 +53,7 @@ def estimate_live(
         evidence=found.evidence,
         contact=found.contact,
         known=found.known,
+        untouched=found.untouched,
+        hidden=found.hidden,
+        hidden_at_all=found.hidden_at_all,
     )

@@ -10,9 +10,15 @@ if TYPE_CHECKING:
 
 HELP = (
     "live: what the estimator of the force needs while the arm runs; live.py, live.hpp, "
-    "live.schema.json: this estimator in Python and C++, and what describes that file"
+    "live.schema.json: this estimator in Python and C++, and what describes that file; ros2: a "
+    "folder with a node, its launch file and all it needs"
 )
 FILES = ("live.py", "live.hpp", "live.schema.json")
+NODE = {
+    "ur5_force.py": "ros2_node.py",
+    "ur5_force.launch.py": "ros2_launch.py",
+    "live.py": "live.py",
+}
 QUESTIONS = ("force", "constants", "currents")  # bad verdicts on these forbid an export
 
 Format = Callable[["StudyFiles | None", str, str, str], str]
@@ -47,4 +53,11 @@ def _text(name: str, *_: object) -> str:
     return Path(__file__).with_name(name).read_text(encoding="utf-8")
 
 
+def ros2_folder(study: "StudyFiles | None", robot: str, as_in: str, accept: str) -> dict[str, str]:
+    """Return the files of a ROS 2 node for an arm, by name."""
+    texts = {name: _text(own) for name, own in NODE.items()}
+    return texts | {"arm.json": arm_file(study, robot, as_in, accept) + "\n"}
+
+
 FORMATS: dict[str, Format] = {"live": arm_file, **{name: partial(_text, name) for name in FILES}}
+FOLDERS = {"ros2": ros2_folder}

@@ -108,7 +108,13 @@ def _found(detection: Iterable[pd.DataFrame]) -> Iterator[dict[str, Any]]:
     rows = [*map(_of_contacts, detection)]
     count, of = (sum(int(own[name].sum()) for own in rows) for name in ("found", "contacts"))
     if of:
-        yield {"quantity": "contacts found", "count": count, "of": of, "basis": "real"}
+        yield {
+            "quantity": "contacts found",
+            "count": count,
+            "of": of,
+            "basis": "real",
+            "sense": "more",
+        }
 
 
 def _beside_contacts(
@@ -124,4 +130,5 @@ def _beside_contacts(
     }
     if rates_of:
         count = sum(round(rate * minutes[name]) for name, rate in rates_of.items())
-        yield {"quantity": "false alarms on recordings with contacts", "count": count}
+        about = {"quantity": "false alarms on recordings with contacts", "sense": "less"}
+        yield about | {"count": count}

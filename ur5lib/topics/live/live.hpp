@@ -33,13 +33,25 @@ enum Contact { FREE, SUSPECTED, CONTACT, UNKNOWN };
 enum State { MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED };
 constexpr int STATE_COUNT = 6;
 constexpr const char* STATES[STATE_COUNT] = {"moving", "reversing", "settling", "resting", "still", "unmoved"};
-constexpr const char* FORMAT = "ur5lib live 4";
+constexpr const char* FORMAT = "ur5lib live 5";
+constexpr int KINDS = 3, LESS_GRAVITY = 2;  // of effort
+constexpr const char* KIND_NAMES[KINDS] = {"current", "torque", "torque_less_gravity"};
+constexpr const char* KIND_WORDS[KINDS] = {"currents [A]", "torques [Nm]", "torques less gravity [Nm]"};
+constexpr double FIRST_MOTION = 1.0, LONGEST_MOTION = 2.0, CLEAR = 0.5;
+enum Why { KNOWN, UNUSABLE, STARTED, FAST, BLIND, MISFIT };  // why nothing is known; from MISFIT on, by kind of effort
+constexpr const char* REASONS[MISFIT] = {
+    "", "no usable sample came: all were lost, late, frozen, no numbers, or beyond what the arm can",
+    "the run has just begun, so that friction may still settle",
+    "a joint is faster than any that the study saw",
+    "in this pose, resting joints hardly feel a force along some axis"};
 constexpr int DEEPEST = 16;  // of a file: brackets in brackets, and sizes of its numbers
 constexpr double LEAST = 1e-9, MOST = 1e9;
 constexpr const char* CONSTANTS[] = {
-    "gain",     "wide", "doubt",  "duration", "thaw",    "slow",         "settle", "stop",      "reversal",
-    "rest_speed", "moved", "dead_zone", "max_gap", "margin", "jump", "turns", "encoder", "acceleration",
-    "window", "confirmed", "stays", "large", "blind", "faster", "least_step", "period"};
+    "gain",     "wide", "doubt",  "duration", "slows", "stopping", "release",     "thaw",   "slow",      "settle",
+    "stop", "reversal", "missed", "press", "rest_speed", "moved", "dead_zone", "max_gap", "margin", "jump",
+    "turns", "encoder", "acceleration", "window", "confirmed", "stays", "large", "blind", "faster", "least_step",
+    "period"};
+constexpr double NORMAL95 = 1.96, NORMAL99 = 2.576;  // so many standard deviations to either side have 95 %, 99 %
 constexpr int TERMS = 9, LOAD = 8;
 constexpr const char* TERM_NAMES[TERMS] = {
     "coulomb",      "viscous",     "velocity_root", "velocity_square", "periodic_sin",
@@ -53,7 +65,25 @@ using Square = std::array<Wrench, 6>;
 struct Answer {
   Wrench wrench{}, std{};
   Contact contact = UNKNOWN;
+  Vector untouched{}, hidden{}, hidden_at_all{};  // as in live.py [N]
 };
+
+// why efforts of a kind are refused where `own` is expected, and what to do
+inline std::string misfit(const std::string& given, const std::string& own) {
+  const auto words = [](const std::string& kind) -> std::string {
+    for (int k = 0; k < KINDS; ++k)
+      if (kind == KIND_NAMES[k]) return KIND_WORDS[k];
+    return "";
+  };
+  if (words(given).empty())
+    return "unknown input '" + given + "'; available: auto, current, torque, torque_less_gravity";
+  std::string remedy = "give `input` as " + given;
+  if (given == KIND_NAMES[0] || own == KIND_NAMES[0])
+    remedy = std::string("let the driver publish ") +
+             (own == KIND_NAMES[0] ? "currents (a UR's: use_currents_as_efforts)" : "torques") +
+             ", or identify the arm by such efforts";
+  return "efforts are " + words(given) + ", but " + words(own) + " are expected; " + remedy;
+}
 
 inline Vector cross(const Vector& a, const Vector& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -282,7 +312,10 @@ inline void check(const Numbers& arm) {
     part("noise.absorbed." + state, {n});
     part("noise.hidden." + state, {n});
   }
-  for (const char* name : {"torque_constant", "breakaway", "speed", "current"}) positive(name, {n});
+  bool known = false;
+  for (const char* kind : KIND_NAMES) known = known || arm.says("input", kind);
+  if (!known) Numbers::refuse("input");
+  for (const char* name : {"torque_constant", "motor_constant", "breakaway", "speed", "current"}) positive(name, {n});
   for (const char* name : {"rotor_inertia", "offset"}) some(name, {n});
   for (const char* name : {"gravity", "contacts.place"}) some(name, {3});
   for (const char* name : {"noise.shift", "contacts.lever", "contacts.typical"}) positive(name, {});
@@ -298,7 +331,7 @@ inline void check(const Numbers& arm) {
 }
 
 struct Sweep {
-  Joints momentum{}, rate{};
+  Joints momentum{}, rate{}, gravity{};
   std::array<Wrench, MAX_JOINTS> jacobian{};  // of the place of contacts, a column for each joint
   Vector place{};                             // from the last frame's origin, base axes [m]
 };
@@ -310,8 +343,20 @@ class Live {
   Joints observed{}, torque{};
   std::array<int, MAX_JOINTS> state{};
 
-  explicit Live(const Numbers& arm) {
+  // input: what is given as effort, "auto" for what the file states; throws where the arm was identified in
+  // another unit
+  explicit Live(const Numbers& arm, const std::string& input = "auto") {
     n = arm.count("links");
+    for (int k = 0; k < KINDS; ++k) {
+      if (arm.says("input", KIND_NAMES[k])) stated_ = k;
+    }
+    own_ = input == "auto" ? stated_ : -1;
+    for (int k = 0; k < KINDS; ++k)
+      if (input == KIND_NAMES[k]) own_ = k;
+    if (own_ < 0 || (own_ != stated_ && (own_ == 0 || stated_ == 0)))
+      throw std::runtime_error(misfit(input, KIND_NAMES[stated_]));
+    for (int k = 0; k < KINDS; ++k) misfits_[k] = misfit(KIND_NAMES[k], KIND_NAMES[own_]);
+    for (int k = 0; k < n; ++k) motor_[k] = arm.at("motor_constant." + std::to_string(k));
     for (int k = 0; k < n; ++k) {
       const std::string link = "links." + std::to_string(k) + ".";
       mass_[k] = arm.at(link + "mass");
@@ -358,6 +403,8 @@ class Live {
     stop_ = constant("stop"), settle_ = constant("settle"), reversal_ = constant("reversal");
     wide_ = constant("wide"), doubt_ = constant("doubt"), rare_ = constant("rare");
     duration_ = constant("duration"), hysteresis_ = constant("hysteresis");
+    slows_ = constant("slows"), stopping_ = constant("stopping"), release_ = constant("release");
+    hiding_ = constant("missed"), press_ = constant("press");
     freeze_ = constant("freeze"), thaw_ = constant("thaw"), slow_ = constant("slow");
     window_ = constant("window"), confirmed_ = constant("confirmed"), stays_ = constant("stays");
     large_ = constant("large"), blind_ = constant("blind"), faster_ = constant("faster");
@@ -370,40 +417,38 @@ class Live {
     restart();
   }
 
-  static Live load(const std::string& path) {
+  static Live load(const std::string& path, const std::string& input = "auto") {
     std::ifstream file(path, std::ios::binary);
     if (!file) throw std::runtime_error("cannot read " + path);
     std::ostringstream text;
     text << file.rdbuf();
     const Numbers arm(text.str());
     check(arm);
-    return Live(arm);
+    return Live(arm, input);
   }
+
+  // why nothing is known, in words; empty where something is
+  const char* reason() const noexcept { return why_ < MISFIT ? REASONS[why_] : misfits_[why_ - MISFIT].c_str(); }
 
   void restart() noexcept {
-    runs_ = false;
-    passed_ = rested_ = evidence = 0;
-    q_ = qd_ = lag_ = momentum_ = rate_ = observed = Joints{};
-    friction_ = drift_ = scale_ = rest_ = torque = anchor_ = pull_ = low_ = high_ = Joints{};
-    direction_ = {};
-    state.fill(MOVING);
-    touched_ = at_rest_ = still_ = false;
-    moved_at_ = -std::numeric_limits<double>::infinity();
-    felt_at_ = std::numeric_limits<double>::infinity();
-    missed_ = 0;
-    answer_ = Answer{};
-    const double largest = *std::max_element(sizes_.begin(), sizes_.begin() + count_);
-    for (int i = 0; i < 6; ++i) answer_.std[i] = (i < 3 ? 1.0 : lever_) * largest;
+    efforts_ = Efforts{};
+    refused_ = -1;
+    forget();
   }
 
-  // q, qd, current: n numbers each; qd: nullptr where the controller states no velocity.
+  // q, qd, current: n numbers each; qd: nullptr where the controller states no velocity; current: of the kind
+  // `input`, in Nm for torques
   const Answer& step(double time, const double* q, const double* qd, const double* current) noexcept {
+    const double* rates = qd;
     if (usable(time, q, qd, current)) {
       missed_ = 0;
       take(time, q, qd, current);
+      rates = qd_.data();
     } else if (++missed_ * period_ > max_gap_) {
-      restart();
+      forget();
     }
+    if (rates != nullptr) fit(time, q, rates, current);
+    if (refused_ >= 0) nothing(MISFIT + refused_);
     return answer_;
   }
 
@@ -437,9 +482,9 @@ class Live {
         weight[k] = weight[k] + weight[k + 1];
       }
       result.momentum[k] = dot(axis[k], angular[k]) + dot(arm[k], linear[k]) + rotor_[k] * qd[k];
+      result.gravity[k] = -(dot(axis[k], pull[k]) + dot(arm[k], weight[k]));
       result.rate[k] = dot(angular[k], cross(omega[k], axis[k])) +
-                       dot(linear[k], cross(omega[k], arm[k]) + cross(v[k], axis[k])) +
-                       dot(axis[k], pull[k]) + dot(arm[k], weight[k]);
+                       dot(linear[k], cross(omega[k], arm[k]) + cross(v[k], axis[k])) - result.gravity[k];
       const Vector lift = arm[k] + cross(axis[k], touched);
       for (int i = 0; i < 3; ++i) {
         result.jacobian[k][i] = lift[i];
@@ -455,12 +500,121 @@ class Live {
     std::array<Wrench, MAX_SIZES> mean{}, variance{};
   };
 
-  bool usable(double time, const double* q, const double* qd, const double* current) noexcept {
+  // of all kinds of effort, whether another fits the motion far better than the own one
+  struct Efforts {
+    bool runs = false, fit = false;
+    double time = 0, motion = 0;
+    std::array<double, KINDS> loss{};
+    std::array<Joints, MAX_PARTS> direction{};
+    Joints momentum{};
+    std::array<Joints, KINDS> rate{}, observed{};
+  };
+
+  void forget() noexcept {
+    runs_ = false;
+    passed_ = rested_ = evidence = 0;
+    q_ = qd_ = lag_ = momentum_ = rate_ = observed = Joints{};
+    friction_ = drift_ = scale_ = rest_ = settled_ = torque = Joints{};
+    anchor_ = pull_ = low_ = high_ = speed_ = Joints{};
+    direction_ = {};
+    state.fill(MOVING);
+    touched_ = at_rest_ = still_ = false;
+    moved_at_ = -std::numeric_limits<double>::infinity();
+    felt_at_ = std::numeric_limits<double>::infinity();
+    missed_ = 0;
+    nothing(UNUSABLE);
+  }
+
+  void nothing(int why) noexcept {
+    answer_ = Answer{};
+    why_ = why;
+    largest_ = *std::max_element(sizes_.begin(), sizes_.begin() + count_);
+    for (int i = 0; i < 6; ++i) answer_.std[i] = (i < 3 ? 1.0 : lever_) * largest_;
+    limit(std::array<Wrench, MAX_JOINTS>{});
+  }
+
+  bool possible(double time, const double* q, const double* qd) const noexcept {
     if (!(std::abs(time) < 1e12)) return false;
     for (int k = 0; k < n; ++k) {
-      if (!(std::abs(q[k]) < turns_) || !(std::abs(current[k]) <= margin_ * strongest_[k])) return false;
+      if (!(std::abs(q[k]) < turns_)) return false;
       if (qd != nullptr && !(std::abs(qd[k]) <= margin_ * fastest_[k])) return false;
     }
+    return true;
+  }
+
+  double factor(int kind, int joint) const noexcept {
+    if ((kind == 0) == (stated_ == 0)) return 1.0;
+    return kind == 0 ? motor_[joint] : 1 / motor_[joint];
+  }
+
+  void fit(double time, const double* q, const double* qd, const double* effort) noexcept {
+    for (int k = 0; k < n; ++k)
+      if (!std::isfinite(effort[k])) return;
+    if (!possible(time, q, qd)) return;
+    if (efforts_.runs && std::abs(time - efforts_.time) > max_gap_) {
+      efforts_ = Efforts{};
+      refused_ = -1;
+    }
+    Efforts& own = efforts_;
+    const bool first = !own.runs;
+    const double passed = first ? 0.0 : time - own.time;
+    if (own.fit || (!first && passed < least_step_)) {
+      if (passed > 0) own.time = time;
+      return;
+    }
+    own.runs = true;
+    own.time = time;
+    for (int p = 0; p < parts_; ++p)
+      for (int k = 0; k < n; ++k) {
+        const double kept = std::exp(-std::abs(qd[k]) * passed / distance_[p]);
+        own.direction[p][k] = kept * own.direction[p][k] + (1 - kept) * sign(qd[k]);
+      }
+    const Sweep swept = sweep(q, qd);
+    const double gain = gain_ * passed / (1 + gain_ * passed);
+    std::array<double, KINDS> loss{};
+    bool all_slow = true;
+    for (int k = 0; k < n; ++k) {
+      const bool slow = std::abs(qd[k]) < rest_speed_;
+      all_slow = all_slow && slow;
+      const double std = slow ? noise_[RESTING][k] + breakaway_[k] : noise_[MOVING][k];
+      const Rubbing rubbing = rubs(k, q[k], qd[k], own.direction);
+      for (int kind = 0; kind < KINDS; ++kind) {
+        const double given = factor(kind, k) * (effort[k] + (kind == LESS_GRAVITY ? swept.gravity[k] : 0.0));
+        const double rate = passed_on(k, given, rubbing) + swept.rate[k];
+        double& seen = own.observed[kind][k];
+        if (!first) {
+          const double change = (swept.momentum[k] - own.momentum[k]) / passed - (rate + own.rate[kind][k]) / 2;
+          seen += gain * (change - seen);
+        }
+        own.rate[kind][k] = rate;
+        loss[kind] += std::log1p(seen / std * (seen / std)) / n;
+      }
+      own.momentum[k] = swept.momentum[k];
+    }
+    if (!first && !all_slow) weigh(passed, loss);
+  }
+
+  void weigh(double passed, const std::array<double, KINDS>& loss) noexcept {
+    Efforts& own = efforts_;
+    own.motion += passed;
+    int best = -1;
+    for (int kind = 0; kind < KINDS; ++kind) {
+      own.loss[kind] += passed * loss[kind];
+      if (kind != own_ && (best < 0 || own.loss[kind] < own.loss[best])) best = kind;
+    }
+    if (own.motion < FIRST_MOTION) return;
+    const double lead = (own.loss[best] - own.loss[own_]) / own.motion;
+    if (lead > CLEAR) own.fit = true, refused_ = -1;
+    if (-lead > CLEAR) refused_ = best;
+    if (own.motion <= LONGEST_MOTION) return;
+    for (double& one : own.loss) one *= LONGEST_MOTION / own.motion;
+    own.motion = LONGEST_MOTION;
+  }
+
+  bool usable(double time, const double* q, const double* qd, const double* current) noexcept {
+    if (!possible(time, q, qd)) return false;
+    for (int k = 0; k < n; ++k)
+      if (!(std::abs(current[k]) <= margin_ * strongest_[k])) return false;
     const bool again = seen_ && repeats(q, qd, current);
     std::copy(q, q + n, last_q_.begin());
     std::copy(current, current + n, last_current_.begin());
@@ -468,7 +622,7 @@ class Live {
     if (again || !runs_) return !again;
     const double passed = time - time_;
     if (std::abs(passed) > max_gap_) {
-      restart();
+      forget();
       return true;
     }
     if (!(passed >= least_step_)) return false;
@@ -489,7 +643,7 @@ class Live {
   }
 
   void start(double time) noexcept {
-    time_ = started_ = below_at_ = suspected_at_ = time;
+    time_ = started_ = below_at_ = above_at_ = suspected_at_ = time;
     fast_at_.fill(time);
     slow_at_.fill(-std::numeric_limits<double>::infinity());
   }
@@ -502,20 +656,21 @@ class Live {
     velocity(q, qd, first);
     time_ = time;
     std::copy(q, q + n, q_.begin());
-    const double share = passed_ / (window_ + passed_);
+    const double share = passed_ / (window_ + passed_), quick = passed_ / (duration_ + passed_);
     for (int k = 0; k < n; ++k) {
       anchor_[k] = first ? q[k] : anchor_[k] + share * (q[k] - anchor_[k]);
       low_[k] = first ? q[k] : std::min(low_[k], q[k]);
       high_[k] = first ? q[k] : std::max(high_[k], q[k]);
+      speed_[k] += quick * (std::abs(qd_[k]) - speed_[k]);
     }
     for (int p = 0; p < parts_; ++p)
       for (int k = 0; k < n; ++k) {
         const double kept = std::exp(-std::abs(qd_[k]) * passed_ / distance_[p]);
         direction_[p][k] = kept * direction_[p][k] + (1 - kept) * sign(qd_[k]);
       }
-    Joints load, friction;
-    gears(current, load, friction);
     const Sweep swept = sweep(q_.data(), qd_.data());
+    Joints load, friction;
+    gears(current, swept.gravity, load, friction);
     const double gain = gain_ * passed_ / (1 + gain_ * passed_);
     for (int k = 0; k < n; ++k) {
       const double rate = load[k] + swept.rate[k];
@@ -550,21 +705,35 @@ class Live {
     }
   }
 
-  void gears(const double* current, Joints& load, Joints& friction) const noexcept {
+  struct Rubbing {
+    double z, own;  // direction of dry friction, and friction without its part by the load
+  };
+
+  Rubbing rubs(int k, double angle, double v, const std::array<Joints, MAX_PARTS>& direction) const noexcept {
+    const double sine = std::sin(angle), cosine = std::cos(angle);
+    double z = 0, held = 0;
+    for (int p = 0; p < parts_; ++p) {
+      z += share_[p] * direction[p][k];
+      held += held_[p][k] * direction[p][k];
+    }
+    const double columns[LOAD] = {z,    v,      std::sqrt(std::abs(v)) * sign(v), std::abs(v) * v,
+                                  sine, cosine, sine,                             cosine};
+    double own = held * (1 - std::abs(std::tanh(v / dead_zone_)));
+    for (int t = 0; t < LOAD; ++t) own += terms_[t][k] * columns[t];
+    return {z, own};
+  }
+
+  // the torque that gears pass on
+  double passed_on(int k, double current, const Rubbing& rubbing) const noexcept {
+    const double torque = constant_[k] * current - offset_[k] - rubbing.own;
+    return torque / (1 + terms_[LOAD][k] * rubbing.z * sign(torque));
+  }
+
+  void gears(const double* current, const Joints& gravity, Joints& load, Joints& friction) const noexcept {
     for (int k = 0; k < n; ++k) {
-      const double v = qd_[k], sine = std::sin(q_[k]), cosine = std::cos(q_[k]);
-      double z = 0, held = 0;
-      for (int p = 0; p < parts_; ++p) {
-        z += share_[p] * direction_[p][k];
-        held += held_[p][k] * direction_[p][k];
-      }
-      const double columns[LOAD] = {z,    v,      std::sqrt(std::abs(v)) * sign(v), std::abs(v) * v,
-                                    sine, cosine, sine,                             cosine};
-      double own = held * (1 - std::abs(std::tanh(v / dead_zone_)));
-      for (int t = 0; t < LOAD; ++t) own += terms_[t][k] * columns[t];
-      const double motor = constant_[k] * current[k] - offset_[k];
-      load[k] = (motor - own) / (1 + terms_[LOAD][k] * z * sign(motor - own));
-      friction[k] = motor - load[k];
+      const double given = own_ == LESS_GRAVITY ? current[k] + gravity[k] : current[k];
+      load[k] = passed_on(k, given, rubs(k, q_[k], qd_[k], direction_));
+      friction[k] = constant_[k] * given - offset_[k] - load[k];
     }
   }
 
@@ -594,11 +763,11 @@ class Live {
 
   void judge(const std::array<Wrench, MAX_JOINTS>& jacobian, const Vector& place) noexcept {
     Joints variance{}, wider{}, touching{}, carried{};
-    bool doubtful = time_ - started_ < settle_;
+    bool doubtful = time_ - started_ < settle_, fast = false;
     for (int k = 0; k < n; ++k) {
       torque[k] = observed[k] - (state[k] >= STILL ? rest_[k] : drift_[k] + scale_[k] * friction_[k]);
       const double unseen = std::max(std::abs(qd_[k]) / fastest_[k], 1.0);
-      doubtful = doubtful || std::abs(qd_[k]) > faster_ * fastest_[k];
+      fast = fast || std::abs(qd_[k]) > faster_ * fastest_[k];
       const double own = noise_[state[k]][k] * unseen, lost = hidden_[state[k]][k];
       variance[k] = own * own;
       wider[k] = wide_ * wide_ * variance[k];
@@ -640,10 +809,47 @@ class Live {
     const double most = blind_ * typical_, size = large_ * typical_;
     const bool blind = std::max({widest[0], widest[1], widest[2]}) > most * most;
     const bool large = force[0] * force[0] + force[1] * force[1] + force[2] * force[2] > size * size;
-    contact(doubtful, blind, large);
-    if (answer_.contact == SUSPECTED) return;
-    answer_.wrench = wrench;
-    answer_.std = std;
+    contact(doubtful || fast, blind, large);
+    why_ = answer_.contact != UNKNOWN ? KNOWN : fast ? FAST : doubtful ? STARTED : BLIND;
+    if (answer_.contact != SUSPECTED || evidence > freeze_) {
+      answer_.wrench = wrench;
+      answer_.std = std;
+    }
+    limit(jacobian);
+  }
+
+  // of a contact that is not stated: the band if nothing has touched, and what could be hidden
+  void limit(const std::array<Wrench, MAX_JOINTS>& jacobian) noexcept {
+    const bool known = answer_.contact != UNKNOWN, free = known && answer_.contact != CONTACT;
+    for (int i = 0; i < 3; ++i) {
+      answer_.untouched[i] = NORMAL95 * answer_.std[i];
+      answer_.hidden[i] = answer_.hidden_at_all[i] = known ? 0.0 : NORMAL99 * largest_;
+    }
+    if (!free) return;
+    Vector seen{};
+    Joints resting{}, since{};
+    for (int k = 0; k < n; ++k) {
+      const double noise = noise_[state[k]][k] * std::max(std::abs(qd_[k]) / fastest_[k], 1.0);
+      const double sticks = still_ ? std::hypot(hidden_[state[k]][k], absorbed_[state[k]][k]) : 0.0;
+      const double own = hiding_ * doubt_ * std::hypot(noise, sticks);
+      // along one axis, with the torque x = Jᵀ F: 1 / C = 1 / P + Σ (x / κ σ)²
+      for (int i = 0; i < 3; ++i) seen[i] += jacobian[k][i] / own * (jacobian[k][i] / own);
+      resting[k] = noise_[STILL][k] * noise_[STILL][k];
+      since[k] = rest_[k] - settled_[k];
+    }
+    Posterior now, ever;  // of the typical force alone, and of a slow press
+    if (still_) {
+      const double sizes[] = {typical_, press_ * typical_};
+      now = posterior(since, jacobian, resting, sizes, 2);
+      ever = posterior(rest_, jacobian, resting, sizes + 1, 1);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const double missed = 1 / std::sqrt(1 / (typical_ * typical_) + seen[i]);
+      answer_.hidden[i] = NORMAL99 * std::hypot(missed, doubt_ * now.mean[1][i]);
+      answer_.hidden_at_all[i] = NORMAL99 * std::hypot(missed, doubt_ * ever.mean[0][i]);
+      if (still_)
+        answer_.untouched[i] = std::min(answer_.untouched[i], NORMAL95 * doubt_ * std::sqrt(now.variance[0][i]));
+    }
   }
 
   Posterior posterior(const Joints& sensed, const std::array<Wrench, MAX_JOINTS>& jacobian,
@@ -702,15 +908,23 @@ class Live {
 
   void contact(bool doubtful, bool blind, bool large) noexcept {
     if (evidence < threshold_) below_at_ = time_;
+    if (evidence >= threshold_ - hysteresis_) above_at_ = time_;
     if (touched_)
-      touched_ = evidence >= threshold_ - hysteresis_;
+      touched_ = time_ - above_at_ <= release_;
     else
-      touched_ = !doubtful && time_ - below_at_ >= duration_;
+      touched_ = !doubtful && time_ - below_at_ >= (stops() ? stopping_ : duration_);
     const bool felt = feels();
     const bool touching = touched_ || (felt && !doubtful);
     const bool suspected = evidence > freeze_ || large;
     const bool unknown = doubtful || (still_ && blind);
     answer_.contact = touching ? CONTACT : unknown ? UNKNOWN : suspected ? SUSPECTED : FREE;
+  }
+
+  // whether a joint is much slower than its mean speed until now
+  bool stops() const noexcept {
+    for (int k = 0; k < n; ++k)
+      if (speed_[k] > rest_speed_ && std::abs(qd_[k]) < slows_ * speed_[k]) return true;
+    return false;
   }
 
   // whether encoders of a resting arm feel a contact: from a first push until its joints stay
@@ -752,12 +966,16 @@ class Live {
     rested_ += passed_;
     const double own = rested_ <= settle_ ? passed_ / rested_ : share;
     for (int k = 0; k < n; ++k) rest_[k] += own * (observed[k] - rest_[k]);
+    if (rested_ <= settle_) settled_ = rest_;
   }
 
   std::array<Matrix, MAX_JOINTS> turn_{}, inertia_{};
   std::array<Vector, MAX_JOINTS> tail_{}, center_{};
   Vector gravity_{};
-  Joints mass_{}, rotor_{}, constant_{}, offset_{}, breakaway_{}, fastest_{}, strongest_{};
+  std::array<std::string, KINDS> misfits_;
+  int stated_ = 0, own_ = 0, refused_ = -1, why_ = UNUSABLE;
+  Efforts efforts_;
+  Joints motor_{}, mass_{}, rotor_{}, constant_{}, offset_{}, breakaway_{}, fastest_{}, strongest_{};
   std::array<Joints, TERMS> terms_{};
   std::array<Joints, STATE_COUNT> noise_{}, hidden_{}, absorbed_{};
   std::array<double, MAX_PARTS> distance_{}, share_{};
@@ -768,11 +986,11 @@ class Live {
   double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
   double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, doubt_, rare_, lever_, quiet_, typical_;
   double duration_, hysteresis_, freeze_, thaw_, slow_, shift_, window_, confirmed_, stays_;
-  double large_, blind_, faster_, least_step_, moved_;
+  double large_, blind_, faster_, least_step_, moved_, slows_, stopping_, release_, hiding_, press_, largest_;
   // of the run
-  double time_ = 0, passed_, rested_, started_, below_at_, suspected_at_, moved_at_, felt_at_;
-  Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{};
-  Joints fast_at_{}, slow_at_{}, anchor_{}, pull_{}, low_{}, high_{}, last_q_{}, last_current_{};
+  double time_ = 0, passed_, rested_, started_, below_at_, above_at_, suspected_at_, moved_at_, felt_at_;
+  Joints q_{}, qd_{}, lag_{}, momentum_{}, rate_{}, friction_{}, drift_{}, scale_{}, rest_{}, settled_{};
+  Joints fast_at_{}, slow_at_{}, anchor_{}, pull_{}, low_{}, high_{}, speed_{}, last_q_{}, last_current_{};
   std::array<Joints, MAX_PARTS> direction_{};
   bool runs_ = false, touched_ = false, at_rest_ = false, still_ = false, seen_ = false;
   int missed_ = 0;

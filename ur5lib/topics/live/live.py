@@ -4,7 +4,7 @@ This file needs NumPy alone and may be copied away. `ur5 export --format live` w
 needs to know of an arm, and `--format live.hpp` the same estimator for C++.
 
     estimator = Live.load("arm.json")
-    wrench, std, contact = estimator.step(time, q, qd, current)
+    answer = estimator.step(time, q, qd, current)  # answer.wrench, answer.std, answer.contact
 
 A momentum observer follows the external torque: of p = M q̇ and the torque l that the gears pass on,
 dp/dt = l + Cᵀ q̇ - g + τ_ext. Less the slow errors of this run, τ_ext = Jᵀ F + noise; the noise is
@@ -27,12 +27,26 @@ STATES = ("moving", "reversing", "settling", "resting", "still", "unmoved")  # o
 MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED = range(6)
 TERMS = ["coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos"]
 TERMS += ["balance_sin", "balance_cos", "load"]  # of friction
-FORMAT, DEEPEST, LEAST, MOST = "ur5lib live 4", 16, 1e-9, 1e9  # of a file: brackets, numbers
-CONSTANTS = ["gain", "wide", "doubt", "duration", "thaw", "slow", "settle", "stop", "reversal"]
-CONSTANTS += ["rest_speed", "moved", "dead_zone", "max_gap", "margin", "jump", "turns", "encoder"]
-CONSTANTS += ["acceleration", "window", "confirmed", "stays", "large", "blind", "faster"]
-CONSTANTS += ["least_step", "period"]
+FORMAT, DEEPEST, LEAST, MOST = "ur5lib live 5", 16, 1e-9, 1e9  # of a file: brackets, numbers
+CONSTANTS = ["gain", "wide", "doubt", "duration", "slows", "stopping", "release", "thaw", "slow"]
+CONSTANTS += ["settle", "stop", "reversal", "missed", "press", "rest_speed", "moved", "dead_zone"]
+CONSTANTS += ["max_gap", "margin", "jump", "turns", "encoder", "acceleration", "window"]
+CONSTANTS += ["confirmed", "stays", "large", "blind", "faster", "least_step", "period"]
 FREE, SUSPECTED, CONTACT, UNKNOWN = "free", "suspected", "contact", "unknown"
+NORMAL95, NORMAL99 = 1.96, 2.576  # so many standard deviations to either side have 95 %, 99 %
+FIRST_MOTION, LONGEST_MOTION = 1.0, 2.0  # s of motion, after and of which efforts are judged
+CLEAR = 0.5  # of the mean loss of efforts
+KINDS = {  # of effort, in words
+    "current": "currents [A]",
+    "torque": "torques [Nm]",
+    "torque_less_gravity": "torques less gravity [Nm]",
+}
+UNUSABLE, STARTED, FAST, BLIND = (  # why nothing is known
+    "no usable sample came: all were lost, late, frozen, no numbers, or beyond what the arm can",
+    "the run has just begun, so that friction may still settle",
+    "a joint is faster than any that the study saw",
+    "in this pose, resting joints hardly feel a force along some axis",
+)
 NEXT, LAST = np.array([1, 2, 0]), np.array([2, 0, 1])  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
 
 
@@ -41,13 +55,21 @@ class Answer(NamedTuple):
     a contact.
 
     wrench: [F, n] (6,) [N, Nm], the environment acting on the arm, base axes, at the origin of the
-    last frame; std: (6,); contact: "contact", "suspected", "free" or "unknown"; while a contact is
-    only suspected, wrench and std are those of the last sample without suspicion.
+    last frame; std: (6,); contact: "contact", "suspected", "free" or "unknown"; while the size of
+    the force alone is suspect, wrench and std are those of the last sample without suspicion.
+
+    Without a contact, along the axes of the base (3,) [N]: untouched, half of the 95 % band of the
+    force if nothing has touched the arm since it came to rest; hidden, up to which a contact since
+    then could be hidden, and hidden_at_all, also one that began before. In contact, half of the
+    95 % band, and zero.
     """
 
     wrench: Array
     std: Array
     contact: str
+    untouched: Array
+    hidden: Array
+    hidden_at_all: Array
 
 
 class Sweep(NamedTuple):
@@ -55,13 +77,14 @@ class Sweep(NamedTuple):
 
     momentum: p = M q̇ (..., n) [Nm s]; rate: Cᵀ q̇ - g (..., n) [Nm]; jacobian: (..., 6, n), of the
     place where contacts are assumed; place: (..., 3) [m], that place seen from the last frame's
-    origin, base axes.
+    origin, base axes; gravity: g (..., n) [Nm].
     """
 
     momentum: Array
     rate: Array
     jacobian: Array
     place: Array
+    gravity: Array
 
 
 class Hidden(NamedTuple):
@@ -97,8 +120,12 @@ class Live:
     torque (n,) [Nm], and the same less the slow errors of the run; state: (n,), of the joints.
     """
 
-    def __init__(self, arm: Mapping[str, Any]) -> None:
-        """Take the content of an arm's file, which `ur5 export --format live` wrote."""
+    def __init__(self, arm: Mapping[str, Any], input: str = "auto") -> None:
+        """Take the content of an arm's file, which `ur5 export --format live` wrote.
+
+        input: what is given as effort, one of KINDS; "auto": what the file states. Raises
+        ValueError where the arm was identified in another unit.
+        """
         names = ["rotation", "position", "mass", "center_of_mass", "inertia"]
         turns, tails, self.mass, self.center, self.inertia = (
             np.array([link[name] for link in arm["links"]], float) for name in names
@@ -126,56 +153,84 @@ class Live:
         self.set, self.place = {**arm["constants"], **contacts}, np.array(contacts["place"], float)
         axes = [1, 1, 1, *[self.set["lever"]] * 3]
         self.sizes, self.quiet = (np.outer(self.set[name], axes) for name in ("sizes", "quiet"))
+        self.usual = np.outer([self.set["typical"]], axes)
         self.last: tuple[Array, Array] | None = None  # positions and currents
+        self.input = arm.get("input", "") if input == "auto" else input
+        self.efforts = Efforts(self, arm) if "input" in arm else None
         self.restart()
 
     @classmethod
-    def load(cls, path: str | Path) -> "Live":
-        """Return the estimator of a file. Raises ValueError where it is not as it was exported."""
-        return cls(read_arm(Path(path).read_text(encoding="utf-8")))
+    def load(cls, path: str | Path, input: str = "auto") -> "Live":
+        """Return the estimator of a file. Raises ValueError where it is not as it was exported, or
+        as of `Live`.
+        """
+        return cls(read_arm(Path(path).read_text(encoding="utf-8")), input)
 
     def restart(self) -> None:
         """Forget all that was learnt since the start: where the arm was, its contact, friction and
-        background.
+        background, and whether its efforts fit.
         """
+        if self.efforts is not None:
+            self.efforts.restart()
+        self.forget()
+
+    @property
+    def refused(self) -> str:
+        """Return why efforts are refused, "" if they are not."""
+        return "" if self.efforts is None else self.efforts.refused
+
+    def forget(self) -> None:
+        """Begin a new run: forget all but whether the efforts fit."""
         n = len(self.mass)
         self.time, self.passed, self.run = np.nan, 0.0, 0.0  # [s]
         self.q, self.qd, self.lag, self.momentum, self.rate, self.observed = np.zeros((6, n))
-        self.friction, self.drift, self.scale, self.rest, self.torque = np.zeros((5, n))
-        self.anchor, self.pull, self.low, self.high = np.zeros((4, n))
+        self.friction, self.drift, self.scale, self.torque = np.zeros((4, n))
+        self.rest, self.settled = np.zeros((2, n))  # settled: the mean as a rest began
+        self.anchor, self.pull, self.low, self.high, self.speed = np.zeros((5, n))
         self.direction = np.zeros((len(self.share), n))
         self.evidence, self.rested = 0.0, 0.0  # rested: seconds of the whole arm's rest
         self.touched, self.missed, self.state = False, 0, np.zeros(n, np.int64)
         self.moved_at, self.felt_at = -np.inf, np.inf
-        self.answer = Answer(np.zeros(6), self.sizes.max(axis=0), UNKNOWN)
+        self.answer, self.reason = self.nothing(), UNUSABLE
+
+    def nothing(self) -> Answer:
+        """Return the answer where nothing is known."""
+        widest = self.sizes.max(axis=0)
+        return Answer(np.zeros(6), widest, UNKNOWN, *self.unlimited(widest))
 
     def start(self, time: float) -> None:
         """Begin a run at a time [s], as if all joints had just been fast, the evidence low, and a
         contact suspected.
         """
-        self.time = self.started = self.below_at = self.suspected_at = time
+        self.time = self.started = self.below_at = self.above_at = self.suspected_at = time
         self.fast_at, self.slow_at = np.full((2, len(self.mass)), [[time], [-np.inf]])
 
     @np.errstate(all="ignore")
     def step(self, time: float, q: Any, qd: Any, current: Any) -> Answer:
         """Return the force after a sample: time [s]; q, qd, current (n,) [rad, rad/s, A].
 
-        qd: None where the controller states no velocity. Never raises, and states no NaN. The
-        arrays are the caller's own.
+        qd: None where the controller states no velocity; current: of the kind `input`, in Nm for
+        torques. Never raises, and states no NaN; `reason` is why nothing is known. The arrays are
+        the caller's own.
         """
         try:
             none = np.zeros(len(self.mass)) if qd is None else qd
-            values = [np.array(one, float) for one in (q, current, none)]
-            usable = self._usable(float(time), *values)
-        except (TypeError, ValueError, OverflowError):
-            usable = False
+            now, *values = float(real(time)), *map(real, (q, current, none))
+        except Exception:  # a conversion of the caller's own may raise anything
+            now, values = np.nan, [np.zeros(0)] * 3
+        usable = self._usable(now, *values)
         self.missed = 0 if usable else self.missed + 1
+        rates = None if qd is None else values[2]
         if usable:
-            self._take(float(time), values[0], None if qd is None else values[2], values[1])
+            self._take(now, values[0], rates, values[1])
+            rates = self.qd
         elif self.missed * self.set["period"] > self.set["max_gap"]:
-            self.restart()
-        wrench, std, contact = self.answer
-        return Answer(wrench.copy(), std.copy(), contact)
+            self.forget()
+        if self.efforts is not None and rates is not None:
+            self.efforts.step(now, values[0], rates, values[1])
+        if self.refused:
+            self.answer, self.reason = self.nothing(), self.refused
+        return Answer._make(own if isinstance(own, str) else own.copy() for own in self.answer)
 
     def _usable(self, time: float, q: Array, current: Array, qd: Array) -> bool:
         """Return whether a sample is new and possible; restart where the clock jumped."""
@@ -189,7 +244,7 @@ class Live:
             return not repeats
         passed = time - self.time
         if abs(passed) > self.set["max_gap"]:
-            self.restart()
+            self.forget()
             return True
         most = self.set["margin"] * self.fastest * passed + self.set["jump"]
         return bool(passed >= self.set["least_step"] and (np.abs(q - self.q) <= most).all())
@@ -216,8 +271,9 @@ class Live:
         # Dahl: dz = |dq| / distance (sign dq - z), solved exactly; dq by q̇, as encoders are coarse
         kept = np.exp(-np.abs(self.qd) * self.passed / self.distance)
         self.direction = kept * self.direction + (1 - kept) * np.sign(self.qd)
-        load, friction = self.gears(q, self.qd, current, self.direction)
         swept = self.sweep(q, self.qd)
+        given = current + swept.gravity if self.input == "torque_less_gravity" else current
+        load, friction = self.gears(q, self.qd, given, self.direction)
         rate = load + swept.rate
         if first:
             self.friction, self.momentum, self.rate = friction, swept.momentum, rate
@@ -225,6 +281,8 @@ class Live:
         share = self.passed / (self.set["window"] + self.passed)
         self.anchor = self.anchor + share * (q - self.anchor)
         self.low, self.high = np.minimum(self.low, q), np.maximum(self.high, q)
+        share = self.passed / (self.set["duration"] + self.passed)
+        self.speed = self.speed + share * (np.abs(self.qd) - self.speed)
         gain = self.set["gain"] * self.passed / (1 + self.set["gain"] * self.passed)
         change = (swept.momentum - self.momentum) / (self.passed or 1.0)
         change = change - (rate + self.rate) / 2
@@ -289,7 +347,7 @@ class Live:
         omega, v = (np.cumsum(own * qd[..., None], axis=-2) for own in (axis, arm))
         center = origin + (axes @ self.center[..., None])[..., 0]
         linear = self.mass[:, None] * (v + cross(omega, center))
-        spin = (axes @ (self.inertia @ (axes.mT @ omega[..., None])))[..., 0]
+        spin = (axes @ (self.inertia @ (transposed(axes) @ omega[..., None])))[..., 0]
         spin += cross(center, linear)
         weight = np.broadcast_to(self.weight, center.shape)
         link = np.concatenate([spin, linear, cross(center, weight), weight], axis=-1)
@@ -297,11 +355,11 @@ class Live:
         angular, linear = beyond[..., :3], beyond[..., 3:6]
         momentum = (axis * angular + arm * linear).sum(axis=-1) + self.rotor * qd
         rate = angular * cross(omega, axis) + linear * (cross(omega, arm) + cross(v, axis))
-        rate += axis * beyond[..., 6:9] + arm * beyond[..., 9:]
+        gravity = -(axis * beyond[..., 6:9] + arm * beyond[..., 9:]).sum(axis=-1)
         place = poses[..., n, :3, :3] @ self.place
         lift = arm + cross(axis, poses[..., n:, :3, 3] + place[..., None, :])
-        jacobian = np.concatenate([lift, axis], axis=-1).mT
-        return Sweep(momentum, rate.sum(axis=-1), jacobian, place)
+        jacobian = transposed(np.concatenate([lift, axis], axis=-1))
+        return Sweep(momentum, rate.sum(axis=-1) - gravity, jacobian, place, gravity)
 
     def states(self, slow_for: Array, slow_ago: Array, rested: Any, reach: Array) -> Any:
         """Return the state (..., n) of each joint, as far as past samples show it; all in [s], but
@@ -322,13 +380,17 @@ class Live:
         evidence, touched, mean = self.judged(self.torque, self.state, weights)
         wrench, std, blind = self.stated(touched, mean, weights, place)
         self.evidence = float(evidence)
-        doubtful = self.run < self.set["settle"] or bool(self.is_fast(self.qd))
+        fast = bool(self.is_fast(self.qd))
+        doubtful = self.run < self.set["settle"] or fast
         if self.evidence < self.threshold:
             self.below_at = self.time
+        if self.evidence >= self.threshold - self.set["hysteresis"]:
+            self.above_at = self.time
         if self.touched:
-            self.touched = self.evidence >= self.threshold - self.set["hysteresis"]
+            self.touched = self.time - self.above_at <= self.set["release"]
         else:
-            self.touched = not doubtful and self.time - self.below_at >= self.set["duration"]
+            lasts = self.set["stopping" if self.stops(self.qd, self.speed) else "duration"]
+            self.touched = not doubtful and self.time - self.below_at >= lasts
         share = self.passed / (self.set["window"] + self.passed)
         held = np.where(self.state == STILL, self.torque, 0.0)
         self.pull = self.pull + share * (held - self.pull)
@@ -336,16 +398,65 @@ class Live:
         rests = bool((self.state == STILL).all())
         felt = self.feels(self.time, rests, bool(moved), bool(pushed))
         contact = self.touched or (felt and not doubtful)
-        suspected = self.evidence > self.set["freeze"] or self.is_large(wrench)
+        likely, large = self.evidence > self.set["freeze"], bool(self.is_large(wrench))
         if contact:
             word = CONTACT
         elif doubtful or (rests and blind):
             word = UNKNOWN
         else:
-            word = SUSPECTED if suspected else FREE
-        if word == SUSPECTED:
+            word = SUSPECTED if likely or large else FREE
+        if word == SUSPECTED and not likely:
             wrench, std = self.answer.wrench, self.answer.std
-        self.answer = Answer(wrench, std, word)
+        self.answer = Answer(wrench, std, word, *self._limits(word, jacobian, std))
+        self.reason = ""
+        if word == UNKNOWN:
+            self.reason = FAST if fast else STARTED if doubtful else BLIND
+
+    def _limits(self, word: str, jacobian: Array, std: Array) -> Any:
+        """Return the limits (3,) [N] of an answer: untouched, hidden, hidden_at_all."""
+        if word == UNKNOWN:
+            return self.unlimited(std)
+        if word == CONTACT:
+            return NORMAL95 * std[:3], np.zeros(3), np.zeros(3)
+        presses = np.stack([self.rest - self.settled, self.rest])
+        return self.limits(self.state, self.qd, jacobian, std, presses)
+
+    def unlimited(self, std: Array) -> tuple[Array, Array, Array]:
+        """Return the limits (..., 3) [N] of an answer that knows nothing; std: (..., 6)."""
+        most = NORMAL99 * self.sizes.max(axis=0)[:3] + 0.0 * std[..., :3]
+        return NORMAL95 * std[..., :3], most, most.copy()
+
+    def limits(
+        self, state: Any, qd: Array, jacobian: Array, std: Array, presses: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return the limits (..., 3) [N] of an answer without contact: untouched, hidden,
+        hidden_at_all.
+
+        presses: (..., 2, n) [Nm], the torque of a slow press since the arm came to rest, and since
+        before, if the background at rest is one.
+        """
+        joints, still = (state, self.joint), (state == STILL).all(axis=-1)
+        noise = self.noise[joints] * np.maximum(np.abs(qd) / self.fastest, 1.0)
+        sticks = np.hypot(self.hidden[joints], self.absorbed[joints]) * still[..., None]
+        hiding = self.set["missed"] * self.set["doubt"] * np.hypot(noise, sticks)
+        # along one axis, with the torque x = Jᵀ F: 1 / C = 1 / P + Σ (x / κ σ)²
+        seen = ((jacobian[..., :3, :] / hiding[..., None, :]) ** 2).sum(axis=-1)
+        missed = (self.set["typical"] ** -2.0 + seen) ** -0.5
+        untouched, press = NORMAL95 * std[..., :3], np.zeros((*presses.shape[:-1], 3))
+        rests, doubt, settled = jacobian[still], self.set["doubt"], self.noise[STILL] ** 2
+        spread = np.diagonal(hidden_by(settled, rests, self.usual).covariance, axis1=-2, axis2=-1)
+        own = NORMAL95 * doubt * np.sqrt(spread[:, 0, :3])
+        untouched[still] = np.minimum(untouched[still], own)
+        slow = hidden_by(settled, rests, self.set["press"] * self.usual)
+        told = transposed(slow.weighted) @ transposed(presses[still])
+        press[still] = transposed(slow.covariance[:, 0] @ told)[..., :3]
+        hidden = NORMAL99 * np.hypot(missed[..., None, :], doubt * press)
+        return untouched, hidden[..., 0, :], hidden[..., 1, :]
+
+    def stops(self, qd: Array, speed: Array) -> Any:
+        """Return whether a joint (...) is much slower than its mean speed until now (..., n)."""
+        moved = speed > self.set["rest_speed"]
+        return (moved & (np.abs(qd) < self.set["slows"] * speed)).any(axis=-1)
 
     def is_fast(self, qd: Array) -> Any:
         """Return whether a joint is faster (..., n) than the noise that the study saw covers."""
@@ -381,7 +492,7 @@ class Live:
         return bool(time - self.felt_at >= self.set["confirmed"])
 
     def weights(self, state: Any, qd: Array, jacobian: Array) -> Weights:
-        """Return what joints tell of a contact by their states, speeds and posture, whatever their
+        """Return what joints show of a contact by their states, speeds and posture, whatever their
         torques.
         """
         own, unseen = (state, self.joint), np.maximum(np.abs(qd) / self.fastest, 1.0)
@@ -433,7 +544,7 @@ class Live:
 
         F = (P⁻¹ + Λ)⁻¹ J S⁻¹ τ.
         """
-        told = hidden.weighted.mT @ torque[..., None]
+        told = transposed(hidden.weighted) @ torque[..., None]
         mean = (hidden.covariance @ told[..., None, :, :])[..., 0]
         variance = hidden.variance
         alone = (torque**2 / variance + np.log(variance)).sum(axis=-1)[..., None]
@@ -458,14 +569,120 @@ class Live:
             settles = self.rested <= self.set["settle"]
             share = self.passed / self.rested if settles else share
             self.rest = self.rest + share * (self.observed - self.rest)
+            self.settled = self.rest if settles else self.settled
+
+
+class Efforts:
+    """Which kind of effort is given: the one that is expected, or one that fits far better.
+
+    Of each kind, the observer of `Live`, without what the run learns, gives an external torque τ,
+    which is nearly zero for the right one: by the mean of log(1 + (τ / σ)²) over motion, which a
+    contact or a wrong load changes little. refused: why efforts do not fit, "" if they do, or
+    nobody knows yet.
+    """
+
+    def __init__(self, arm: Live, file: Mapping[str, Any]) -> None:
+        """Take the arm's estimator and file. Raises ValueError where `input` is of another unit."""
+        self.arm, names = arm, [*KINDS]
+        both = {arm.input, file["input"]}
+        if arm.input not in names or ("current" in both and len(both) > 1):
+            raise ValueError(misfit(arm.input, file["input"]))
+        self.own, in_amperes = names.index(arm.input), file["input"] == "current"
+        motor = np.array(file["motor_constant"], float)
+        ones = np.ones_like(motor)
+        factors = [ones, 1 / motor, 1 / motor] if in_amperes else [motor, ones, ones]
+        self.factors = np.array(factors)  # (kinds, n), to the unit of the arm's constants
+        self.restart()
+
+    def restart(self) -> None:
+        """Forget all samples."""
+        n, kinds = len(self.arm.mass), len(KINDS)
+        self.time, self.motion, self.loss = np.nan, 0.0, np.zeros(kinds)
+        self.direction, self.momentum = np.zeros((len(self.arm.share), n)), np.zeros(n)
+        self.rate, self.observed = np.zeros((2, kinds, n))
+        self.fit, self.refused = False, ""
+
+    def step(self, time: float, q: Array, qd: Array, effort: Array) -> None:
+        """Take a sample, as of `Live.step`, whether or not its effort can be the arm's."""
+        arm = self.arm
+        if not all(one.shape == arm.mass.shape for one in (q, qd, effort)):
+            return
+        if not (np.isfinite(effort).all() and arm.possible(time, q, 0 * effort, qd)):
+            return
+        if abs(time - self.time) > arm.set["max_gap"]:
+            self.restart()
+        passed, first = time - self.time, np.isnan(self.time)
+        if self.fit or passed < arm.set["least_step"]:
+            self.time = time if passed > 0 else self.time
+            return
+        self.time = time
+        kept = np.exp(-np.abs(qd) * (0.0 if first else passed) / arm.distance)
+        self.direction = kept * self.direction + (1 - kept) * np.sign(qd)
+        swept = arm.sweep(q, qd)
+        given = self.factors * [effort, effort, effort + swept.gravity]
+        rate = arm.gears(q, qd, given, self.direction)[0] + swept.rate
+        if not first:
+            gain = arm.set["gain"] * passed / (1 + arm.set["gain"] * passed)
+            change = (swept.momentum - self.momentum) / passed - (rate + self.rate) / 2
+            self.observed = self.observed + gain * (change - self.observed)
+            self._weigh(passed, qd)
+        self.momentum, self.rate = swept.momentum, rate
+
+    def _weigh(self, passed: float, qd: Array) -> None:
+        """Add a sample to the loss of each kind, and decide."""
+        arm, slow = self.arm, np.abs(qd) < self.arm.set["rest_speed"]
+        if slow.all():
+            return
+        std = np.where(slow, arm.noise[RESTING] + arm.breakaway, arm.noise[MOVING])
+        self.motion += passed
+        self.loss = self.loss + passed * np.log1p((self.observed / std) ** 2).mean(axis=1)
+        if self.motion < FIRST_MOTION:
+            return
+        mean = self.loss / self.motion
+        best = int(np.where(np.arange(len(mean)) == self.own, np.inf, mean).argmin())
+        if mean[best] - mean[self.own] > CLEAR:
+            self.fit, self.refused = True, ""
+        elif mean[self.own] - mean[best] > CLEAR:
+            names = [*KINDS]
+            self.refused = misfit(names[best], names[self.own])
+        if self.motion > LONGEST_MOTION:
+            self.motion, self.loss = LONGEST_MOTION, LONGEST_MOTION * mean
+
+
+def misfit(given: str, own: str) -> str:
+    """Return why efforts of a kind are refused where `own` is expected, and what to do."""
+    if given not in KINDS:
+        return f"unknown input {given!r}; available: auto, {', '.join(KINDS)}"
+    remedy = f"give `input` as {given}"
+    if "current" in (given, own):
+        wanted = "currents (a UR's: use_currents_as_efforts)" if own == "current" else "torques"
+        remedy = f"let the driver publish {wanted}, or identify the arm by such efforts"
+    return f"efforts are {KINDS[given]}, but {KINDS[own]} are expected; {remedy}"
+
+
+def real(values: Any) -> Array:
+    """Return numbers as a new array. Raises TypeError for complex ones."""
+    found = np.asarray(values)
+    if found.dtype == object:
+        found = np.array(found.tolist())
+    if np.iscomplexobj(found):
+        raise TypeError
+    return np.array(found, float)
 
 
 def hidden_by(variance: Array, jacobian: Array, sizes: Array) -> Hidden:
     """Return how noise of these variances (..., n) [N²m²] hides a wrench; sizes: P^½ (K, 6)."""
-    weighted = jacobian.mT / variance[..., None]
-    information = (weighted.mT @ jacobian.mT)[..., None, :, :] + sizes[:, None] ** -2.0 * np.eye(6)
+    lift = transposed(jacobian)
+    weighted = lift / variance[..., None]
+    seen = (transposed(weighted) @ lift)[..., None, :, :]
+    information = seen + sizes[:, None] ** -2.0 * np.eye(6)
     covariance = np.asarray(np.linalg.inv(information), np.float64)
     return Hidden(weighted, variance, covariance, np.log(np.linalg.det(information)))
+
+
+def transposed(matrix: Array) -> Array:
+    """Return the transpose of matrices (..., m, n); NumPy before 2.0 has no `mT`."""
+    return matrix.swapaxes(-1, -2)
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -493,6 +710,8 @@ def read_arm(text: str) -> dict[str, Any]:
     lost = max(map(abs, rubs["terms"]["load"])) * sum(one["share"] for one in rubs["presliding"])
     if arm.get("format") != FORMAT or lost >= 1 or max(sizes) < arm["contacts"]["typical"]:
         refuse("format, load, or typical")
+    if arm.get("input") not in [*KINDS]:
+        refuse("input")
     return arm
 
 
@@ -505,7 +724,7 @@ def expected(links: int, parts: int, sizes: int, terms: set[str]) -> dict[str, A
     matrices: Any = dict.fromkeys(("rotation", "inertia"), [vector] * 3)
     link = dict.fromkeys(("position", "center_of_mass"), vector) | {"mass": part, **matrices}
     own = dict.fromkeys(("torque_constant", "breakaway", "speed", "current"), above)
-    own |= dict.fromkeys(("rotor_inertia", "offset"), joints)
+    own |= dict.fromkeys(("rotor_inertia", "offset"), joints) | {"motor_constant": above}
     dahl = {"distance": positive, "share": part, "held": joints}
     constants = dict.fromkeys(CONSTANTS, positive) | dict.fromkeys(("freeze", "hysteresis"), some)
     typical = {"place": vector, "lever": positive, "typical": positive, "sizes": [positive] * sizes}

@@ -42,11 +42,14 @@ from ur5lib.topics.live.live_recording import Followed, follow
 SIZES = (1 / 3, 1.0, 3.0, 9.0)
 ANYWHERE = ContactPlace()
 CONSTANTS: dict[str, Any] = {  # docs/live.md lists the data for their choice
-    "gain": 20.0,  # 1/s, of the observer
+    "gain": 35.0,  # 1/s, of the observer
     "rare": 0.2,  # this share of a free arm's samples has `wide` times the noise
     "wide": 2.0,
     "doubt": 1.0,  # factor on the wrench's standard deviation, larger if learnt on few paths
     "duration": 0.05,  # s; evidence must last this long before a contact is stated
+    "slows": 0.65,  # a joint stops below this share of its mean speed over `duration`
+    "stopping": 0.1,  # s; while one stops, evidence must last this long
+    "release": 0.1,  # s; a contact ends when evidence was low for this long
     "hysteresis": 2.0,  # log-odds; the contact then lasts down to the threshold less this
     "freeze": 0.0,  # log-odds; above it, slow errors are not learnt
     "thaw": 0.5,  # s; they are learnt again after this time below `freeze`
@@ -59,14 +62,16 @@ CONSTANTS: dict[str, Any] = {  # docs/live.md lists the data for their choice
     "moved": 2 * START_DISTANCE,
     "window": 0.2,  # s; a touched arm's resting joints move within this time
     "confirmed": 0.1,  # s; the arm must rest this long after that move, or else it started to move
-    "stays": 0.4,  # s; without a move for this long, such a contact is over
+    "stays": 0.35,  # s; without a move for this long, such a contact is over
     "large": 1.3,  # typical forces; a larger force without a contact is not reported
-    "blind": 3.5,  # typical forces; the arm is blind if the force's standard deviation is larger
-    "faster": 1.5,  # nothing is stated beyond this multiple of the speeds in the study
+    "blind": 4.5,  # typical forces; the arm is blind if the force's standard deviation is larger
+    "missed": 2.5,  # standard deviations of what hides contacts, up to which most are missed
+    "press": 7.0,  # typical forces; standard deviation of a slow press
+    "faster": 3.0,  # nothing is stated beyond this multiple of the speeds in the study
     "least_step": 1e-4,  # s between samples
     "dead_zone": DEAD_ZONE,  # rad/s
     "max_gap": 0.1,  # s; after a longer gap, the run starts anew
-    "margin": 2.0,  # samples beyond this multiple of the largest speeds and currents are dropped
+    "margin": 4.0,  # samples beyond this multiple of the largest speeds and currents are dropped
     "jump": 0.02,  # rad; a position may jump by this much in addition
     "turns": 100.0,  # rad; samples with larger positions are dropped
     "acceleration": 20.0,  # rad/s²; with `encoder` [rad], the noise of the filter of positions

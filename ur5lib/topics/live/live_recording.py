@@ -15,7 +15,7 @@ import numpy as np
 from ur5lib.records.measured import Measured
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import Span, chunks, runs
-from ur5lib.topics.live.live import MOVING, STILL, Live, Weights
+from ur5lib.topics.live.live import MOVING, NORMAL95, STILL, Live, Weights
 
 CHUNK = 1024  # samples; quantities of measured samples are computed for this many at once
 BLOCK = 128  # samples; slow errors are learnt from this many at once
@@ -24,7 +24,8 @@ ABREAST = 64  # recordings that are followed side by side, for their memory
 
 class Followed(NamedTuple):
     """The answers to N samples: wrench, std (N, 6) [N, Nm]; evidence (N,), log-odds of a contact;
-    contact (N,); known (N,), whether contact is decided; torque [Nm], shift [rad], state (N, n).
+    contact (N,); known (N,), whether contact is decided; torque [Nm], shift [rad], state (N, n);
+    untouched, hidden, hidden_at_all (N, 3) [N], as of `Answer`, zero where they were not asked for.
 
     Of R recordings side by side, (N, R, ...).
     """
@@ -37,6 +38,9 @@ class Followed(NamedTuple):
     torque: Array
     shift: Array
     state: Any
+    untouched: Array
+    hidden: Array
+    hidden_at_all: Array
 
     def alarms(self) -> list[Span]:
         """Return (first, last) rows of each contact; last is exclusive."""
@@ -60,6 +64,7 @@ class Sensed(NamedTuple):
     at_rest: Mask
     slow_ago: Array
     reach: Array
+    stops: Mask
     shift: Array
     jacobian: Array
     place: Array
@@ -79,12 +84,14 @@ class Learnt(NamedTuple):
 
     suspected_at: Array
     below_at: Array
+    above_at: Array
     felt_at: Array
     moved_at: Array
     touched: Array
     rested: Array
     pull: Array
     rest: Array
+    settled: Array
     drift: Array
     scale: Array
     wrench: Array
@@ -93,8 +100,8 @@ class Learnt(NamedTuple):
     @classmethod
     def at_start(cls, estimator: Live, recordings: int) -> Self:
         """Return what is known at the start of a run."""
-        since = [estimator.time, estimator.time, np.inf, -np.inf, 0.0, 0.0]
-        joints, (wrench, std, _) = np.zeros((4, len(estimator.mass))), estimator.answer
+        since = [*[estimator.time] * 3, np.inf, -np.inf, 0.0, 0.0]
+        joints, (wrench, std, *_) = np.zeros((5, len(estimator.mass))), estimator.answer
         parts = [*map(np.array, since), *joints, wrench, std]
         return cls(*(np.repeat(own[None], recordings, axis=0) for own in parts))
 
@@ -108,12 +115,13 @@ class Learnt(NamedTuple):
             own[recordings] = new
 
 
-def follow(arm: Mapping[str, Any], run: Measured) -> Followed:
-    """Return the estimator's answers to a recording; arm: its file. An unusable sample repeats the
-    last answer; after more than `max_gap` s of such samples, the answer is that of an estimator
-    that has just started.
+def follow(arm: Mapping[str, Any], run: Measured, limited: bool = False) -> Followed:
+    """Return the estimator's answers to a recording; arm: its file; limited: whether what a contact
+    could be is wanted, too. An unusable sample repeats the last answer; after more than `max_gap` s
+    of such samples, the answer is that of an estimator that has just started.
     """
     estimator = LiveRecording(arm)
+    estimator.limited = limited
     return estimator.abreast(run, run.current[:, None], *estimator.used(run)).of(0)
 
 
@@ -135,7 +143,9 @@ def alarms_of_each(arm: Mapping[str, Any], run: Measured, currents: Array) -> li
 
 
 class LiveRecording(Live):
-    """The estimator, given many samples at once."""
+    """The estimator, given many samples at once; limited: whether to state untouched and hidden."""
+
+    limited = False
 
     def abreast(self, run: Measured, currents: Array, rows: Labels, restarts: Mask) -> Followed:
         """Return the answers to R recordings, which are `run` with other currents (N, R, n) [A];
@@ -158,9 +168,9 @@ class LiveRecording(Live):
 
     def _nothing(self, recordings: int) -> Followed:
         """Return the answers of an estimator that has just started, as one row."""
-        wrench, std, _ = self.answer
+        wrench, std, *limits = (own[None] for own in self.answer if not isinstance(own, str))
         no, joints = np.zeros(1, bool), np.zeros((1, len(self.mass)))
-        parts = wrench[None], std[None], 0.0 * no, no, no, joints, joints, joints.astype(np.int8)
+        parts = wrench, std, 0.0 * no, no, no, joints, joints, joints.astype(np.int8), *limits
         return Followed._make(np.repeat(own[:, None], recordings, axis=1) for own in parts)
 
     def used(self, run: Measured) -> tuple[Labels, Mask]:
@@ -225,14 +235,14 @@ class LiveRecording(Live):
         if first:
             self.friction, self.momentum, self.rate = friction[0], swept.momentum[0], rate[0]
             self.anchor = self.low = self.high = run.q[0]
-        change = np.diff(swept.momentum, prepend=self.momentum[None], axis=0)
-        change /= np.where(by_joint > 0, by_joint, 1.0)
-        change = change[:, None] - (rate + np.concatenate([self.rate[None], rate[:-1]])) / 2
+        change = self._unexplained(swept.momentum, rate, by_joint)
         gain = (self.set["gain"] * by_joint / (1 + self.set["gain"] * by_joint))[:, None]
         observed = cascade(1 - gain, gain * change, self.observed)
         friction = cascade(1 - gain, gain * friction, self.friction)
         share = by_joint / (self.set["window"] + by_joint)
         anchor = cascade(1 - share, share * run.q, self.anchor)
+        share = by_joint / (self.set["duration"] + by_joint)
+        speed = cascade(1 - share, share * np.abs(qd), self.speed)
         low = np.minimum.accumulate(np.vstack([self.low, run.q]))[1:]
         high = np.maximum.accumulate(np.vstack([self.high, run.q]))[1:]
         slow, time = np.abs(qd) < self.set["rest_speed"], run.time[:, None]
@@ -242,13 +252,21 @@ class LiveRecording(Live):
         )
         self.direction, self.observed, self.friction = direction[-1], observed[-1], friction[-1]
         self.anchor, self.low, self.high = anchor[-1], low[-1], high[-1]
+        self.speed = speed[-1]
         self.momentum, self.rate, self.fast_at, self.slow_at = (
             own[-1] for own in (swept.momentum, rate, fast_at, slow_at)
         )
         self.time, self.q, self.qd = run.time[-1], run.q[-1], qd[-1]
         moved = time - fast_at, (time - fast_at >= self.set["stop"]).all(axis=1), time - slow_at
-        further = high - low, run.q - anchor, swept.jacobian, swept.place
-        return Sensed(run.time, passed, qd, *moved, *further, observed, friction)
+        reach, stops = high - low, self.stops(qd, speed)
+        further = run.q - anchor, swept.jacobian, swept.place, observed, friction
+        return Sensed(run.time, passed, qd, *moved, reach, stops, *further)
+
+    def _unexplained(self, momentum: Array, rate: Array, passed: Array) -> Array:
+        """Return what a rate (M, R, n) [Nm] leaves of the momentum's change; passed: (M, 1) [s]."""
+        change = np.diff(momentum, prepend=self.momentum[None], axis=0)
+        change /= np.where(passed > 0, passed, 1.0)
+        return change[:, None] - (rate + np.concatenate([self.rate[None], rate[:-1]])) / 2
 
     def _velocities(self, run: Measured, passed: Array, first: bool) -> Array:
         """Return q̇ (M, n) [rad/s] by the filter of positions, for runs without measured q̇."""
@@ -278,10 +296,11 @@ class LiveRecording(Live):
         # rested[1:] is 0 where the next sample moves
         resting = rested[:-1] + part.passed * (part.at_rest & learns)
         rest = self._rest(part, resting, before.rest, learns)
+        settled = self._settled(rest, resting, before.settled, part.at_rest & learns)
         torque, drift, scale = self._slow(part, state, rest[:-1], before, learns)
         evidence, by_size, mean = self.judged(torque, state, weights)
         wrench, std, blind = self.stated(by_size, mean, weights, part.place)
-        touched, doubtful = self._contacts(part, evidence, before)
+        touched, doubtful, above_at = self._contacts(part, evidence, before)
         pull = self._pull(part, torque, state, before.pull)
         still = (state == STILL).all(axis=-1)
         felt, felt_at, moved_at = self._felt(part, still, pull, before)
@@ -293,7 +312,7 @@ class LiveRecording(Live):
         recordings = np.arange(len(count))
         last, then = (count - 1, recordings), (count - suspected[count - 1, recordings], recordings)
         known = contact | ~(doubtful | (blind & still))
-        unsure = known & ~contact & (suspected | self.is_large(wrench))
+        unsure = known & ~suspected & self.is_large(wrench)
         wrench, std = (
             _sure(own, since, unsure) for own, since in ((wrench, before.wrench), (std, before.std))
         )
@@ -304,10 +323,13 @@ class LiveRecording(Live):
                 (evidence < self.threshold, before.below_at),
             )
         )
-        since = suspected_at, below_at, felt_at[last], moved_at[last], touched[last], rested[then]
-        slow = pull[last], rest[then], drift[then], scale[then], wrench[last], std[last]
-        found = evidence, contact, known, torque, part.shift, state.astype(np.int8)
-        return count, Followed(wrench, std, *found), Learnt(*since, *slow)
+        times = suspected_at, below_at, *(own[last] for own in (above_at, felt_at, moved_at))
+        slow = (own[then] for own in (rest, settled, drift, scale))
+        since = *times, touched[last], rested[then], pull[last], *slow, wrench[last], std[last]
+        presses = np.stack([rest - settled, rest], axis=-2)[:-1]
+        limits = self._limited(part, state, std, contact, known, presses)
+        found = evidence, contact, known, torque, part.shift, state.astype(np.int8), *limits
+        return count, Followed(wrench, std, *found), Learnt(*since)
 
     def _pull(self, part: Sensed, torque: Array, state: Any, before: Array) -> Array:
         """Return the external torque (B, R, n) [Nm] at rest, low-passed: time constant `window`."""
@@ -352,6 +374,38 @@ class LiveRecording(Live):
         share = (share * (part.at_rest & learns))[..., None]
         return np.concatenate([before[None], cascade(1 - share, share * part.observed, before)])
 
+    def _settled(self, rest: Array, rested: Array, before: Array, rests: Mask) -> Array:
+        """Return the torque (B + 1, R, n) [Nm] that was learnt while the rest settled; arguments as
+        of `_rest`, whose result is the first.
+        """
+        settles = rests & (rested <= self.set["settle"])
+        rows = np.where(settles, np.arange(1, len(rests) + 1)[:, None], 0)
+        rows = np.maximum.accumulate(np.concatenate([0 * rows[:1], rows]))[..., None]
+        return np.where(rows > 0, np.take_along_axis(rest, rows, axis=0), before)
+
+    def _limited(
+        self,
+        part: Sensed,
+        state: Any,
+        std: Array,
+        contact: Mask,
+        known: Mask,
+        presses: Array,
+    ) -> tuple[Array, ...]:
+        """Return untouched, hidden, hidden_at_all (B, R, 3) [N] of each sample, zero if they are
+        not wanted.
+        """
+        if not self.limited:
+            return (np.zeros((*contact.shape, 3)),) * 3
+        free = self.limits(state, part.qd, part.jacobian, std, presses)
+        nothing, band = np.zeros_like(free[0]), NORMAL95 * std[..., :3]
+        by_word = zip(free, self.unlimited(std), (band, nothing, nothing), strict=True)
+        touched, decided = contact[..., None], known[..., None]
+        return tuple(
+            np.where(touched, during, np.where(decided, own, unknown))
+            for own, unknown, during in by_word
+        )
+
     def _slow(
         self, part: Sensed, state: Any, rest: Array, before: Learnt, learns: Mask
     ) -> tuple[Array, ...]:
@@ -377,18 +431,25 @@ class LiveRecording(Live):
                 return torque, drift, scale
             last = torque
 
-    def _contacts(self, part: Sensed, evidence: Array, before: Learnt) -> tuple[Mask, Mask]:
-        """Return whether each sample (B, R) is in a contact, and whether the evidence of a contact
-        does not count at it, so that the answer may be unknown.
+    def _contacts(self, part: Sensed, evidence: Array, before: Learnt) -> tuple[Mask, Mask, Array]:
+        """Return whether each sample (B, R) is in a contact, whether the evidence of a contact does
+        not count at it, so that the answer may be unknown, and when [s] it last was enough.
         """
         doubtful = part.time - self.started < self.set["settle"]
         doubtful |= self.is_fast(part.qd)
-        low = np.where(evidence < self.threshold, part.time, -np.inf)
-        below_at = np.maximum.accumulate(np.maximum(low, before.below_at))
-        starts = 1.0 * (~doubtful & (part.time - below_at >= self.set["duration"]))
-        stays = evidence >= self.threshold - self.set["hysteresis"]
+        least = self.threshold - self.set["hysteresis"]
+        below_at, above_at = (
+            np.maximum.accumulate(np.maximum(np.where(own, part.time, -np.inf), since))
+            for own, since in (
+                (evidence < self.threshold, before.below_at),
+                (evidence >= least, before.above_at),
+            )
+        )
+        lasts = np.where(part.stops, self.set["stopping"], self.set["duration"])
+        starts = 1.0 * (~doubtful & (part.time - below_at >= lasts))
+        stays = part.time - above_at <= self.set["release"]
         # it stays where it was touched before, and starts elsewhere
-        return cascade(stays - starts, starts, before.touched) > 0, doubtful
+        return cascade(stays - starts, starts, before.touched) > 0, doubtful, above_at
 
 
 class _Weighed:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ur5lib.records.forces import AXES
 from ur5lib.records.pushes import SmallestPush
 from ur5lib.records.table import WRENCH, SegmentedTable, channel
 from ur5lib.records.verdicts import FalseAlarms
@@ -15,7 +16,8 @@ class LiveForces(SegmentedTable):
     """The live estimator's answers to a recording, fed sample by sample; None without a force.
 
     wrench, std: as in `Forces`, (N, 6) [N, Nm]; evidence: (N,), log-odds of a contact; contact:
-    (N,), whether a contact is stated; known: (N,), whether contact is decided.
+    (N,), whether a contact is stated; known: (N,), whether contact is decided; untouched, hidden,
+    hidden_at_all: (N, 3) [N], as of `Answer`.
     """
 
     wrench: Array | None = channel("live", "N, Nm", WRENCH, optional=True)
@@ -23,6 +25,9 @@ class LiveForces(SegmentedTable):
     evidence: Array | None = channel("evidence", "1", optional=True)
     contact: Mask | None = channel("contact", "1", optional=True, dtype=np.bool_)
     known: Mask | None = channel("known", "1", optional=True, dtype=np.bool_)
+    untouched: Array | None = channel("untouched", "N", AXES, optional=True)
+    hidden: Array | None = channel("hidden", "N", AXES, optional=True)
+    hidden_at_all: Array | None = channel("hidden_at_all", "N", AXES, optional=True)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +37,8 @@ class LiveDetection:
 
     force_class_n: [N]; merged: within the alarm of another contact; median_delay_s: [s] of the
     found ones; false_alarms_per_min, alarms_per_min: of the whole recording; unknown: share of the
-    time in which the estimator does not know.
+    time in which the estimator does not know; hidden_n: [N], while no contact is stated, the median
+    contact along an axis that could be hidden, and hidden_at_all_n, also one that began earlier.
     """
 
     force_class_n: float | None = None
@@ -43,6 +49,8 @@ class LiveDetection:
     false_alarms_per_min: float | None = None
     alarms_per_min: float
     unknown: float
+    hidden_n: float | None = None
+    hidden_at_all_n: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
