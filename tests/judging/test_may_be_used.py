@@ -70,6 +70,24 @@ def test_a_constant_is_used_with_its_doubt(ur5: Robot) -> None:
     assert may_be_used(parameter(value=99.0), fit(known_constants=None), ur5) == USED
 
 
+@pytest.mark.parametrize(
+    ("half", "reason"), [(0.3, ""), (0.1, "excludes"), (5.0, ""), (5.2, "imprecise")]
+)
+def test_a_constant_is_copied_where_its_interval_holds_the_known_one_and_is_narrow(
+    ur5: Robot, half: float, reason: str
+) -> None:
+    found = may_be_used(parameter(interval=[10.2 - half, 10.2 + half]), fit(), ur5)
+    assert found == ("yes", reason)
+    assert found.state == ("usable" if reason else "good")
+
+
+def test_nothing_of_a_fit_that_was_touched_is_used(ur5: Robot) -> None:
+    for name in ("torque_constant", "coulomb", "total_0.1"):
+        found = may_be_used(parameter(name), fit("one path"), ur5, is_touched=True)
+        assert (found, found.state) == (("no", "touched"), "do not use")
+    assert may_be_used(parameter(), fit(**STOPPED), ur5, is_touched=True).reason == "stopped"
+
+
 @pytest.mark.parametrize("name", ["coulomb", "offset", "total_0.1"])
 def test_friction_is_judged_without_what_concerns_constants_alone(ur5: Robot, name: str) -> None:
     of_fitted = ur5.model_copy(update={"links": "fitted"})

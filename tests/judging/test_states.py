@@ -119,12 +119,14 @@ def test_constants_are_judged_by_how_many_may_be_used(
 def test_the_widest_and_the_farthest_constant_are_of_those_that_the_recordings_determine() -> None:
     """142 Nm/A is what the currents of joint 2 would give; joint 3 says nothing."""
     rows = [constant(1, 8.0), constant(2, 10.0, **REFUSED), constant(3, 30.0, **UNKNOWN)]
-    counted, widest, farthest = verdicts_of(study(friction=rows), "constants")
+    counted, widest, farthest, sure = verdicts_of(study(friction=rows), "constants")
+    assert (sure.count, sure.of) == (0, 3)
     assert (counted.count, counted.of) == (1, 3)
     assert (widest.joint, widest.value) == (1, 12.5)
     assert (farthest.joint, farthest.value, farthest.low) == (2, 142.0, None)
     assert farthest.rival_value == 10.0
-    assert len(verdicts_of(study(friction=[constant(1, 30.0, **UNKNOWN)]), "constants")) == 1
+    alone = verdicts_of(study(friction=[constant(1, 30.0, **UNKNOWN)]), "constants")
+    assert [row.value for row in alone] == [None, None]
 
 
 def test_constants_that_stop_a_study_are_not_to_be_used() -> None:
@@ -308,7 +310,8 @@ def test_errors_of_currents_are_also_torques() -> None:
         (touched(4.9), ("usable", "wide_interval")),  # of 3.9 to 5.9, more than half of the force
         (touched(5.0, mae_high=4.9), ("usable", "large_error")),
         (touched(10.0), ("do not use", "worse_than_zero")),
-        ([*touched(1.0)[:1], *touched(6.0, mean_force=5.0)[1:]], ("do not use", "worse_than_zero")),
+        ([*touched(1.0)[:1], *touched(6.0, mean_force=5.0)[1:]], ("usable", "large_error")),
+        ([*touched(9.0)[:1], *touched(6.0, mean_force=5.0)[1:]], ("do not use", "worse_than_zero")),
         (touched(4.0, coverage95=0.89), ("usable", "undercovers")),
         (touched(4.0, coverage95=0.5), ("usable", "undercovers")),
         (touched(4.0, coverage95=0.49), ("do not use", "undercovers")),
@@ -328,19 +331,19 @@ def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: tuple
 def test_no_mean_over_axes_hides_the_worst_one() -> None:
     rows = touched(2.0) + touched(3.0, "seen", mean_force=7.0)
     rows[2] |= {"mae": 6.0, "mean_force": 15.5}
-    first, share, pooled, *_ = verdicts_of(study(force_mae=rows), "force")
-    assert (first.value, first.axis, first.recording) == (6.0, "z", "pushed")
-    assert (share.rank, share.value, share.recording) == (3, 3.0, "seen")
-    assert (pooled.rank, pooled.value) == (4, pytest.approx(np.mean([2, 2, 6, 3, 3, 3])))
+    pooled, worst, share, *_ = verdicts_of(study(force_mae=rows), "force")
+    assert (pooled.rank, pooled.value) == (1, pytest.approx(np.mean([2, 2, 6, 3, 3, 3])))
+    assert (worst.value, worst.axis, worst.recording) == (6.0, "z", "pushed")
+    assert (share.rank, share.value, share.recording) == (4, 3.0, "seen")
 
 
 def test_recordings_with_a_sure_sensor_judge_the_force() -> None:
     rows = [*touched(6.0, **DOUBTED), *touched(2.0, recording="seen")]
-    first, worst, *_ = verdicts_of(study(force_mae=rows), "force")
+    first, _, doubted, *_ = verdicts_of(study(force_mae=rows), "force")
     assert (first.state, first.value) == ("good", 2.0)
-    assert (worst.rank, worst.value, worst.reason) == (2, 6.0, "sensor_bias")
+    assert (doubted.rank, doubted.value, doubted.reason) == (3, 6.0, "sensor_bias")
     less = [*touched(1.0, **DOUBTED), *touched(2.0, recording="seen")]
-    assert 2 not in {one.rank for one in verdicts_of(study(force_mae=less), "force")}
+    assert 3 not in {one.rank for one in verdicts_of(study(force_mae=less), "force")}
 
 
 @pytest.mark.parametrize(("rival", "expected"), [(1.5, "better"), (1.95, "equal"), (2.2, "")])

@@ -344,7 +344,8 @@ def test_a_study_file_of_version_0_2_is_read_as_it_was() -> None:
     """Until 1.0, every key that it wrote has its meaning and its value."""
     stored = yaml.safe_load(Path(__file__).with_name("study_of_0_2.yaml").read_text())
     study = parse_study(stored, "study_of_0_2.yaml")
-    later = {"pushes": {"per_arm": 900}}  # as many as it tried
+    later = {"pushes": {"per_arm": 900, "posture_deg": None}}  # as many as it tried
+    later |= {"friction": {"terms": None, "prior": True}}  # by what the recordings show, as it did
     assert study.settings.model_dump(mode="json") == stored["settings"] | later
     assert [entry.name for entry in study.recordings] == [
         entry["name"] for entry in stored["recordings"]

@@ -12,6 +12,7 @@ from ur5lib.records.verdicts import Advice, Asks
 
 RECORD: Literal["recording"] = "recording"  # kinds of advice
 LATER: Literal["later"] = "later"
+ONLY_FIT = "only fit"  # detail of advice on recordings without which nothing is fitted
 CONTRADICTIONS = [
     CauseCode.UNLIKELY_CONSTANT,
     CauseCode.CURRENT_AGAINST_CONSTANT,
@@ -61,11 +62,13 @@ def corrections(study: StudyTables) -> Iterator[Advice]:
             )
 
 
-def _of_recordings(code: Asks, names: list[str], value: float | None = None) -> Iterator[Advice]:
+def _of_recordings(
+    code: Asks, names: list[str], value: float | None = None, detail: str = ""
+) -> Iterator[Advice]:
     """Yield one piece of advice that names the first recording and counts all of them."""
     if names:
         about: Any = {"recording": names[0], "recordings": len(names)}
-        yield Advice(code=code, kind="correction", value=value, **about)
+        yield Advice(code=code, kind="correction", value=value, detail=detail, **about)
 
 
 def _contradicted(study: StudyTables) -> dict[str, tuple[list[int], list[int]]]:
@@ -88,8 +91,16 @@ def faulty_files(study: StudyTables) -> Iterator[Advice]:
     shares = lost_shares(study)
     lost = {name: share for name, share in shares.items() if share >= HIGH_LOST_SHARE}
     names = sorted(lost, key=lambda name: -lost[name])
-    yield from _of_recordings(Asks.LOSSY, names, lost[names[0]] if names else None)
+    detail = (
+        ONLY_FIT if {*study.with_role("fit")} & {*names} and not kept_for_fit(study, names) else ""
+    )
+    yield from _of_recordings(Asks.LOSSY, names, lost[names[0]] if names else None, detail)
     yield from _of_recordings(Asks.DOUBTED, study.doubted())
+
+
+def kept_for_fit(study: StudyTables, without: list[str]) -> list[str]:
+    """Return the recordings of the fit that are left without some."""
+    return [name for name in study.with_role("fit") if name not in without]
 
 
 def missing_recordings(study: StudyTables) -> Iterator[Advice]:

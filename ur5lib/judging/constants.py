@@ -30,6 +30,7 @@ def judge_constants(study: StudyTables, robot: str) -> Iterator[Verdict]:
         yield from _counted(rows, robot)
         yield from _widest(rows, robot)
         yield from _farthest(rows, study, robot)
+        yield _without_doubt(rows, robot)
 
 
 def _counted(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
@@ -37,7 +38,7 @@ def _counted(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
     use = rows["use"] == "yes"
     reason, row = _gravest(rows)
     state: State = "usable" if use.mean() > MIN_USABLE_SHARE else "not determined"
-    if (rows["reason"] == "unlikely").any():
+    if rows["reason"].isin(["unlikely", "touched"]).any():
         state = "do not use"
     elif not reason:
         state = "good"
@@ -47,20 +48,38 @@ def _counted(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
         state=state,
         reason=reason,
         quantity="joints whose constant may be used",
+        sense="more",
         count=int(use.sum()),
         of=len(rows),
         joint=None if row is None else int(row["joint"]),
     )
 
 
+def _without_doubt(rows: pd.DataFrame, robot: str) -> Verdict:
+    """Return the number of constants without a doubt."""
+    return Verdict(
+        question=QUESTION,
+        arm=robot,
+        rank=4,
+        reason=_gravest(rows)[0],
+        quantity="constants without a doubt",
+        sense="more",
+        count=int(rows["state"].eq("good").sum()),
+        of=len(rows),
+    )
+
+
 REASONS_BY_GRAVITY: list[Reason] = [
     "unlikely",
+    "touched",
     "contradicted",
     "unproven",
     "unknown_links",
     "undetermined",
     "prior_only",
     "far",
+    "excludes",
+    "imprecise",
     "one_path",
 ]
 
@@ -88,6 +107,7 @@ def _widest(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
         rank=2,
         reason="one_path" if (usable["reason"] == "one_path").any() else "",
         quantity="widest 95 % interval of a constant, half of it",
+        sense="less",
         value=float(shares.max()),
         unit="%",
         low=float(shares.min()) if several else None,
@@ -146,6 +166,7 @@ def judge_gravity(study: StudyTables, robot: str) -> Iterator[Verdict]:
             rank=rank,
             reason=reason_in(row.reason),
             quantity="constant off the known one, at a joint that gravity loads",
+            sense="change",
             value=float(off[row.Index]),
             unit="%",
             low=None if row.reason == "contradicted" else 100 * (row.low / row.known - 1),
@@ -172,6 +193,7 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
         **about,
         reason="loaded" if (rows["taken"] == "yes").any() else "",
         quantity=f"recordings whose load agrees with {meant}",
+        sense="more",
         count=int(agree.sum()),
         of=len(rows),
     )
@@ -180,6 +202,7 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
         **about,
         rank=2,
         quantity="widest 95 % interval of such a load, half of it",
+        sense="less",
         value=float(rows["half"].max()),
         recording=str(rows.loc[rows["half"].idxmax(), "recording"]),
     )
@@ -189,6 +212,7 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
             **about,
             rank=rank,
             quantity=Found.UNDECLARED_LOAD.words,
+            sense="less",
             value=float(row.mass),
             low=float(row.low),
             high=float(row.high),

@@ -10,12 +10,20 @@ from scipy.special import gammaincinv
 
 from ur5lib.force.estimators import GATED, LEADING
 from ur5lib.force.sensed_contact import CONTACT_FORCE
-from ur5lib.judging.limits import GOOD_ALARM_RATE, UPPER_LIMIT
+from ur5lib.judging.limits import (
+    GOOD_ALARM_RATE,
+    MAX_GOOD_PEAK_ERROR,
+    MAX_USUAL_THRESHOLD,
+    UPPER_LIMIT,
+)
 from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
 from ur5lib.records.contacts import Fate, Kind, with_sharp_peaks
+from ur5lib.records.pushes import YOURS
 from ur5lib.records.verdicts import FalseAlarms, Noticed, Reason, Verdict, reason_in
 from ur5lib.timeseries.metrics import NORMAL95
 
+# Columns of detection.csv: what may be unseen.
+LIMITS = "untouched_n", "hidden_n", "hidden_at_all_n", "unseen_link_2_n", "unseen_link_3_n"
 EVERY_DAY, WITHOUT_FIT, FARTHEST = "all", "without fit", "farthest"  # choices of a recording's days
 
 
@@ -50,7 +58,7 @@ def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
     if len(parts) > 1:
         numbers += [number for part in parts for number in (_found(part), _found_from(part))]
     numbers += [_of_fate(rows, fate) for fate in (Fate.MISSED, Fate.MERGED)]
-    numbers += [*_peaks(rows)]
+    numbers += [*_peaks(rows), *_timing(rows)]
     for rank, number in enumerate(filter(None, numbers), start=1):
         yield Verdict(**about | number, rank=rank, reason=doubt if rank == 1 else "")
 
@@ -58,7 +66,13 @@ def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
 def _found(rows: pd.DataFrame) -> dict[str, Any]:
     """Return the number of found contacts, as fields of a verdict."""
     count = int((rows["fate"] == Fate.FOUND).sum())
-    return {"quantity": "contacts found", "count": count, "of": len(rows)} | _motion_of(rows)
+    about: dict[str, Any] = {
+        "quantity": "contacts found",
+        "sense": "more",
+        "interval": "largest forces [N]",
+    }
+    about |= {"low": float(rows["peak"].min()), "high": float(rows["peak"].max())}
+    return about | {"count": count, "of": len(rows)} | _motion_of(rows)
 
 
 def _found_from(rows: pd.DataFrame) -> dict[str, Any]:
@@ -70,6 +84,7 @@ def _found_from(rows: pd.DataFrame) -> dict[str, Any]:
     least = above.loc[above["peak"].idxmin()]
     place = {"recording": str(least["recording"]), "count": len(above)}
     about = {"quantity": "no contact missed from", "value": float(least["peak"]), "unit": "N"}
+    about |= {"sense": "from"}
     return about | place | _motion_of(rows)
 
 
@@ -85,7 +100,8 @@ def _of_fate(rows: pd.DataFrame, fate: Fate) -> dict[str, Any]:
     own = rows[rows["fate"] == fate]
     is_missed = fate == Fate.MISSED
     words = "contacts missed, the largest" if is_missed else "contacts in another's alarm"
-    about: dict[str, Any] = {"quantity": words, "count": len(own), "of": len(rows)}
+    about: dict[str, Any] = {"quantity": words, "sense": "less"}
+    about |= {"count": len(own), "of": len(rows)}
     if own.empty:
         return about
     most = own.loc[own["peak"].idxmax()]
@@ -99,10 +115,44 @@ def _peaks(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
     if len(found):
         shares = 100 * found["peak_error"] / found["peak"]
         mean = {"value": float(shares.mean()), "unit": "%", "count": len(found)}
-        yield mean | {"quantity": "error of the peak of found contacts, mean"}
+        yield mean | {"quantity": "error of the peak of found contacts, mean", "sense": "error"}
         most = found.loc[found["peak_error"].abs().idxmax()]
         own = {"value": float(most["peak_error"]), "unit": "N", "recording": str(most["recording"])}
-        yield own | {"quantity": "error of the peak of a found contact, largest"}
+        about = {"quantity": "error of the peak of a found contact, largest", "sense": "error"}
+        yield own | about
+
+
+def _timing(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """Yield how many peaks of found contacts lie in their 95 % bands and how many are far too
+    small, their mean size of error [%] and the most that one is too small [N], the mean error of
+    impulses [%], and the median delay [s].
+    """
+    found = rows[rows["fate"] == Fate.FOUND]
+    banded = found.dropna(subset=["peak_error", "largest_band"])
+    if len(banded):
+        inside = (banded["peak_error"].abs() <= banded["largest_band"]).sum()
+        quantity = "peaks within their 95 % bands"
+        yield {"quantity": quantity, "sense": "more", "count": int(inside), "of": len(banded)}
+    shares = (found["peak_error"] / found["peak"]).dropna()
+    if len(shares):
+        low = {"count": int((shares < -MAX_GOOD_PEAK_ERROR).sum()), "of": len(shares)}
+        quantity = "peaks too small by more than a quarter"
+        yield low | {"quantity": quantity, "sense": "less"}
+        size = {"value": 100 * float(shares.abs().mean()), "unit": "%", "count": len(shares)}
+        yield size | {"quantity": "peaks off by, mean", "sense": "less"}
+    short = found.loc[found["peak_error"] < 0].dropna(subset="peak_error")
+    if len(short):
+        row = short.loc[short["peak_error"].idxmin()]
+        own = {"value": -float(row["peak_error"]), "unit": "N", "recording": str(row["recording"])}
+        yield own | {"quantity": "largest shortfall of a peak", "sense": "less"}
+    impulses = (found["impulse_error"] / found["impulse"]).dropna()
+    if len(impulses):
+        mean = {"value": 100 * float(impulses.mean()), "unit": "%", "count": len(impulses)}
+        yield mean | {"quantity": "error of the impulse of found contacts, mean", "sense": "error"}
+    delays = found["onset_error_s"].astype(float).dropna()
+    if len(delays):
+        median = {"value": float(delays.median()), "unit": "s", "count": len(delays)}
+        yield median | {"quantity": "delay of found contacts, median", "sense": "less"}
 
 
 def detections(study: StudyTables) -> pd.DataFrame:
@@ -175,6 +225,7 @@ def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str,
         "alarms_per_min": len(rows) / minutes,
         "false_alarms": round(false * minutes),
     }
+    found |= {name: getattr(counts, name, None) for name in LIMITS}
     if len(bands):
         row = bands.loc[bands["std"].idxmax()]
         found |= {"band": NORMAL95 * row["std"], "band_axis": row["column"][1]}
@@ -271,19 +322,41 @@ def days_between(dates: Mapping[str, date | None], roles: Mapping[str, str]) -> 
 
 def judge_alarms(study: StudyTables) -> Iterator[Verdict]:
     """Yield the false alarms on validate recordings with the upper limit of their rate, the same
-    on days without a fit, and the number of false alarms on recordings with contacts.
+    on days without a fit, the number on recordings with contacts and on all, and an unusual
+    threshold.
     """
     rows = [row for row in false_alarms(study) if row.role == "validate"]
     numbers = [number for row in rows if row.days != FARTHEST for number in rates(row)]
     if not numbers and len(study.rows("detection", estimate=GATED)):
         why = study.why_unseen_is_missing()
-        numbers.append({"quantity": "false alarms", "reason": why})
-    beside = [row for row in noticed(study) if row.contacts]
+        numbers.append({"quantity": "false alarms", "reason": why, "sense": "less"})
+    every = [*noticed(study)]
+    beside = [row for row in every if row.contacts]
     if any(row.alarms for row in beside):
         count = sum(row.false_alarms for row in beside)
-        numbers.append({"quantity": "false alarms on recordings with contacts", "count": count})
+        quantity = "false alarms on recordings with contacts"
+        numbers.append({"quantity": quantity, "count": count, "sense": "less"})
+    if numbers:
+        numbers += _of_all(study, sum(row.false_alarms for row in every))
+        numbers += _high_threshold(detections(study)["threshold"])
     for rank, number in enumerate(numbers, start=1):
         yield Verdict(question="alarms", rank=rank, **number)
+
+
+def _of_all(study: StudyTables, count: int) -> Iterator[dict[str, Any]]:
+    """Yield the number of false alarms on all searched recordings, and their duration [min]."""
+    searched = _minutes(study).reindex(detections(study)["recording"])
+    if len(searched):
+        yield {"quantity": "false alarms, all recordings", "count": count, "sense": "less"}
+        minutes = {"value": float(searched.sum()), "unit": "min"}
+        yield minutes | {"quantity": "time searched for contacts, all recordings"}
+
+
+def _high_threshold(thresholds: "pd.Series[float]") -> Iterator[dict[str, Any]]:
+    """Yield the largest threshold of an arm's alarms, if it is above the usual ones."""
+    if (most := float(thresholds.max())) > MAX_USUAL_THRESHOLD:
+        quantity = f"log-odds that raise an alarm, usually below {MAX_USUAL_THRESHOLD:g}"
+        yield {"quantity": quantity, "value": most, "sense": "less"}
 
 
 def rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
@@ -291,17 +364,18 @@ def rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
     other = " on days without a fit recording" if row.days == WITHOUT_FIT else ""
     short = row.alarms == 0 and row.per_min_high > GOOD_ALARM_RATE
     about = {"basis": "unseen", "reason": "short" if short else ""}
-    yield about | {"quantity": f"false alarms{other}", "count": row.alarms}
+    yield about | {"quantity": f"false alarms{other}", "count": row.alarms, "sense": "less"}
     yield {"quantity": f"time without contact{other}", "value": row.minutes, "unit": "min"}
     quantity = f"false alarms{other}, at most (95 %)"
-    yield {"quantity": quantity, "value": row.per_min_high, "unit": "a minute"}
+    about = {"quantity": quantity, "sense": "at most"}
+    yield about | {"value": row.per_min_high, "unit": "a minute"}
 
 
 def judge_pushes(study: StudyTables, robot: str) -> Iterator[Verdict]:
     """Yield the smallest push [N] that trials find with a probability of 95 %.
 
     One verdict for each motion, on its worst axis and with the real contacts, the hardest motion
-    first; then one for the best motion and axis.
+    first; then one for the best motion and axis; then its range over directions at postures.
     """
     rows = study.rows("pushes", robot=robot)
     if rows.empty:
@@ -313,6 +387,7 @@ def judge_pushes(study: StudyTables, robot: str) -> Iterator[Verdict]:
         when = AT_REST if row["motion"] == AT_REST else IN_MOTION
         yield Verdict(question="pushes", arm=robot, rank=rank, **_trial(row), **_real(sensed, when))
     yield from _easiest(rows, robot, len(order))
+    yield from _at_postures(study, robot, len(order) + 1)
 
 
 def _trial(row: "pd.Series[Any]") -> dict[str, Any]:
@@ -323,6 +398,7 @@ def _trial(row: "pd.Series[Any]") -> dict[str, Any]:
     about = {
         "reason": reason_in(row["reason"]),
         "quantity": f"trial push of {row['seconds']:g} s {found}",
+        "sense": "beyond" if beyond else "from",
         "value": None if pd.isna(value) else float(value),
         "unit": "N",
         "axis": row.get("axes", row["axis"]),
@@ -351,6 +427,54 @@ def _easiest(rows: pd.DataFrame, robot: str, rank: int) -> Iterator[Verdict]:
         row = rows.loc[rows["value"].astype(float).idxmin()]
         about = _trial(row) | {"quantity": "smallest trial push found, best motion and axis"}
         yield Verdict(question="pushes", arm=robot, rank=rank + 1, **about | {"reason": ""})
+
+
+def _at_postures(study: StudyTables, robot: str, rank: int) -> Iterator[Verdict]:
+    """Yield the range of the push [N] over directions at all recorded postures that were tried, and
+    at each of them.
+    """
+    every = study.rows("push_directions", robot=robot)
+    rows, tried_on = every.dropna(subset="value"), every[every["posture"] != YOURS]
+    recorded, tried = tried_on.dropna(subset="value"), len(tried_on)
+    if recorded.empty:
+        return
+    count = tried_on["posture"].nunique()
+    fitted = study.rows("pushes", robot=robot)["basis"].eq("fit").all()
+    known: dict[str, Any] = {"question": "pushes", "arm": robot, "unit": "N", "sense": "from"}
+    known |= {"basis": "fit" if fitted else "trial"}
+    yield Verdict(
+        **known,
+        rank=rank + 1,
+        quantity="push found with 95 %, by posture and direction",
+        **_range(recorded),
+        interval=f"range over {len(recorded)} of {tried} directions at {count} recorded postures",
+    )
+    for place, (posture, part) in enumerate(rows.groupby("posture", sort=False), start=rank + 2):
+        row = part.iloc[0]
+        yield Verdict(
+            **known,
+            rank=place,
+            quantity=f"push found with 95 %, {posture} posture",
+            **_range(part),
+            interval=f"range over {len(part)} of {tried // count} directions",
+            recording="" if posture == YOURS else str(row["recording"]),
+            motion=row["motion"],
+            posture=str(row["posture_deg"]),
+        )
+    if lost := tried - len(recorded):
+        largest = float(study.rows("pushes", robot=robot)["largest_tried"].max())
+        quantity = f"directions without a push found, up to {largest:.0f} N"
+        yield Verdict(
+            **known | {"unit": "", "sense": "less"},
+            rank=rank + 2 + rows["posture"].nunique(),
+            quantity=quantity,
+            count=lost,
+            of=tried,
+        )
+
+
+def _range(rows: pd.DataFrame) -> dict[str, Any]:
+    return {"low": float(rows["value"].min()), "high": float(rows["value"].max())}
 
 
 def _hardest(rows: pd.DataFrame) -> "pd.Series[Any]":

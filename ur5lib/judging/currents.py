@@ -1,6 +1,6 @@
 """Predicted currents on recordings that no fit has used, and how certain friction is."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -96,6 +96,7 @@ def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
         arm=robot,
         rank=4,
         quantity="least share of readings in the 95 % band",
+        sense="at least",
         value=100 * (least.coverage95 or 0.0),
         unit="%",
         joint=least.joint,
@@ -112,6 +113,7 @@ def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
             arm=robot,
             rank=5,
             quantity="width of the 95 % band over the width that contains 95 %, largest",
+            sense="ratio",
             value=widest,
             low=min(narrowest for _, narrowest, _ in widths),
             high=widest,
@@ -129,6 +131,7 @@ def _as_torque(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
         yield Verdict(
             **about,
             quantity="largest error on a recording as a torque",
+            sense="less",
             value=most.largest_torque,
             joint=most.joint,
         )
@@ -143,13 +146,17 @@ def _farthest_in_time(study: StudyTables, robot: str) -> Iterator[Verdict]:
         about: Any = {"question": QUESTION, "arm": robot, "rank": 7, "unit": "days"}
         name = max(away, key=away.__getitem__)
         yield Verdict(
-            **about, quantity="farthest from a day of the fit", value=days, recording=name
+            **about,
+            quantity="farthest from a day of the fit",
+            sense="less",
+            value=days,
+            recording=name,
         )
 
 
 def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Yield the widest relative 95 % interval of a usable total friction, and the number of joints
-    with a usable one.
+    """Yield the widest relative 95 % interval of a usable total friction, and the numbers of those
+    that may be used, and that are without a doubt.
     """
     rows = study.rows("friction")
     rows = rows[rows["parameter"].astype(str).str.startswith(TOTAL)]
@@ -165,20 +172,43 @@ def judge_friction(study: StudyTables, robot: str) -> Iterator[Verdict]:
     about: Any = {"question": "friction", "arm": robot}
     if len(usable):
         worst = usable.loc[shares[usable.index].idxmax()]
-        yield Verdict(
-            **about,
-            reason=reason_in(worst["reason"]),
-            quantity="widest 95 % interval of a total friction that may be used, half of it",
-            value=100 * float(shares[worst.name]),
-            unit="%",
-            joint=int(worst["joint"]),
-            motion=str(worst["parameter"]).replace(TOTAL, "at ") + " rad/s",
-        )
+        yield _widest_friction(worst, float(shares[worst.name]), about)
     yield Verdict(
         **about,
         rank=2,
         reason=reason,
         quantity="total frictions that may be used, of each joint at four velocities",
+        sense="more",
         count=len(usable),
         of=len(rows),
+    )
+    yield _sure_frictions(rows, about)
+
+
+def _sure_frictions(rows: pd.DataFrame, about: Mapping[str, Any]) -> Verdict:
+    """Return the number of total frictions, one a row, without a doubt."""
+    sure = rows["state"].eq("good")
+    doubts = rows.loc[~sure, "reason"].dropna().mode()
+    return Verdict(
+        **about,
+        rank=3,
+        reason=reason_in(next(iter(doubts), "")),
+        quantity="total frictions without a doubt, of each joint at four velocities",
+        sense="more",
+        count=int(sure.sum()),
+        of=len(rows),
+    )
+
+
+def _widest_friction(worst: Any, share: float, about: dict[str, Any]) -> Verdict:
+    """Return the verdict of the row of the widest interval; share: half of it over its value."""
+    return Verdict(
+        **about,
+        reason=reason_in(worst["reason"]),
+        quantity="widest 95 % interval of a total friction that may be used, half of it",
+        sense="less",
+        value=100 * share,
+        unit="%",
+        joint=int(worst["joint"]),
+        motion=str(worst["parameter"]).replace(TOTAL, "at ") + " rad/s",
     )

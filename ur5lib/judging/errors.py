@@ -127,7 +127,7 @@ def verdicts(
     known = [one for one in errors if one.state != "not determined"]
     first = min(known, key=_gravity)
     worst = max(known, key=lambda one: one.error / one.zero)
-    relative = f"{quantity}, the largest relative one"
+    relative = f"{quantity}, relatively the largest"
     yield _verdict(first, 1, relative if first is worst else quantity, interval, **about)
     if worst is not first:
         yield _verdict(worst, 2, relative, interval, **about)
@@ -141,6 +141,7 @@ def _largest(errors: Sequence[JudgedError], quantity: str, **about: Any) -> Verd
     return Verdict(
         question=most.question,
         rank=3,
+        sense="less",
         quantity=f"largest {'distance' if 'distance' in quantity else 'error'} on a recording",
         value=most.largest,
         unit=most.unit,
@@ -161,6 +162,7 @@ def _repeated(errors: Sequence[JudgedError], **about: Any) -> Iterator[Verdict]:
             question=most.question,
             rank=8,
             quantity="error on repeated motions, largest multiple of the repeatability",
+            sense="less",
             value=error,
             unit=most.unit,
             joint=most.joint,
@@ -199,6 +201,7 @@ def _verdict(one: JudgedError, rank: int, quantity: str, interval: str, **about:
         state=one.state if rank == 1 else None,
         reason=one.reason,
         quantity=quantity,
+        sense="less",
         value=one.error,
         unit=one.unit,
         low=one.low if spread else None,

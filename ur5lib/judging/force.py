@@ -19,7 +19,7 @@ from ur5lib.judging.limits import (
     MIN_USABLE_COVERAGE,
 )
 from ur5lib.judging.study import AT_REST, IN_MOTION, StudyTables
-from ur5lib.records.verdicts import ErrorParts, Reason, State, Verdict
+from ur5lib.records.verdicts import ErrorParts, Reason, Sense, State, Verdict
 from ur5lib.timeseries.metrics import NORMAL95
 
 QUESTION = "force"
@@ -63,8 +63,8 @@ def sure(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def judge_force(study: StudyTables) -> Iterator[Verdict]:
-    """Judge the force by its largest error, by the recording with the largest relative error, and
-    by the mean error of plain least squares.
+    """Judge the force by its mean error over the mean force, and doubt it by its worst axis and
+    recording, and by the mean error of plain least squares.
     """
     if study.stopped():
         yield Verdict(question=QUESTION, state="do not use", reason="stopped")
@@ -88,13 +88,14 @@ def _why_not(study: StudyTables) -> Reason:
 
 def state_of(rows: pd.DataFrame) -> tuple[State, Reason]:
     """Return the state of the force and the reason why it is not better."""
-    share = max(_worst_axis(rows)["share"], _worst_recording(rows)["share"])
+    pooled = rows[["mae", "mean_force"]].mean()
     if (rows["use"] == "no").all():
         return "not determined", "sensor_bias"
-    if share >= 1:
+    if pooled["mae"] >= pooled["mean_force"]:
         return "do not use", "worse_than_zero"
     if rows["coverage95"].mean() < MIN_USABLE_COVERAGE:
         return "do not use", "undercovers"
+    share = max(_worst_axis(rows)["share"], _worst_recording(rows)["share"])
     reason: Reason = next(_doubts(rows, share), "")
     return ("usable" if reason else "good"), reason
 
@@ -102,6 +103,8 @@ def state_of(rows: pd.DataFrame) -> tuple[State, Reason]:
 def _doubts(rows: pd.DataFrame, share: float) -> Iterator[Reason]:
     """Yield why a force is not good, the gravest reason first; share: error / mean force."""
     pushed = rows[rows["mean_force"] > MIN_PUSH]
+    if share >= 1:
+        yield "large_error"
     if rows["estimate"].eq(STATIC).any():
         yield "uncalibrated"
     yield from beaten(rows["mae"].mean(), rows["plain"].mean())
@@ -134,30 +137,33 @@ def _worst_recording(rows: pd.DataFrame) -> "pd.Series[Any]":
 def _numbers(
     rows: pd.DataFrame, doubted: pd.DataFrame, state: State, reason: Reason
 ) -> Iterator[Verdict]:
-    """Yield the error at the worst place, a larger one where the bias is uncertain, that on the
-    worst recording, the mean over all, and the gain of the estimate over the sensor.
+    """Yield the mean error, that of the worst axis, a larger one where the bias is uncertain, that
+    on the worst recording of several, and the gain of the estimate over the sensor.
     """
     row, share, has_rival = _worst_axis(rows), _worst_recording(rows), rows["plain"].notna().any()
     name = f"mean absolute error of {_named(str(row['estimate']))} in contact"
     about: dict[str, Any] = {"question": QUESTION, "unit": "N", "quantity": name}
+    about |= {"sense": "less"}
 
     def beside(rival: float, where: str = "") -> dict[str, Any]:
         return {"rival": RIVAL + where, "rival_value": _known(rival)} if has_rival else {}
 
-    first = about | _errors(row) | beside(rows["plain"].max(), " at its worst") | _interval(row)
-    floor = _known(row["floor"])
-    yield Verdict(**first, **_place(row), state=state, reason=reason, floor=floor, basis="unseen")
-    if len(doubted) and doubted["mae"].max() > row["mae"]:
-        worst = doubted.loc[doubted["mae"].idxmax()]
-        yield Verdict(**about, **_errors(worst), **_place(worst), rank=2, reason="sensor_bias")
+    recordings = {*rows["recording"]}
     mean: Any = {"axis": "mean of x, y, z", "recording": str(share.name)}
-    yield Verdict(**about, **_errors(share), **mean, **beside(share["plain"]), rank=3)
-    if len({*rows["recording"]}) > 1:
-        means = rows[["mae", "mean_force", "plain"]].mean()
-        where: Any = {"axis": "mean of x, y, z and of recordings"}
-        yield Verdict(**about, **_errors(means), **where, **beside(means["plain"]), rank=4)
+    means = rows[["mae", "mean_force", "plain", "floor"]].astype(float).mean()
+    first = about | _errors(means) | beside(means["plain"]) | {"axis": "all axes"}
+    floor = _known(means["floor"])
+    yield Verdict(**first, state=state, reason=reason, floor=floor, basis="unseen")
+    worst = about | _errors(row) | beside(rows["plain"].max(), " at its worst") | _interval(row)
+    yield Verdict(**worst, **_place(row), rank=2, floor=_known(row["floor"]))
+    if len(doubted) and doubted["mae"].max() > row["mae"]:
+        most = doubted.loc[doubted["mae"].idxmax()]
+        yield Verdict(**about, **_errors(most), **_place(most), rank=3, reason="sensor_bias")
+    if len(recordings) > 1:
+        yield Verdict(**about, **_errors(share), **mean, **beside(share["plain"]), rank=4)
     if not math.isnan(row["slope"]):
         gain: Any = {"question": QUESTION, "quantity": "gain of the estimate over the sensor"}
+        gain |= {"sense": "ratio"}
         yield Verdict(**gain, **_place(row), rank=5, value=row["slope"])
 
 
@@ -197,18 +203,36 @@ def _bands(study: StudyTables, known: pd.DataFrame) -> Iterator[Verdict]:
     order = sorted(halves.items(), key=lambda half: half[1]["coverage95"].min())
     numbers = [(when, *number) for when, part in order if len(part) for number in _worth(part)]
     first = 2 if len(scored) else 1
-    for rank, (when, quantity, value, unit, row, reason) in enumerate(numbers, start=first):
+    for rank, (when, quantity, sense, value, unit, row, reason) in enumerate(numbers, start=first):
         yield Verdict(
             question="bands",
             rank=rank,
             motion=when,
             reason=reason,
             quantity=quantity,
+            sense=sense,
             value=_known(value),
             unit=unit,
             axis=row["axis"],
             recording=row["recording"],
         )
+    if len(rows):
+        yield _width(rows, first + len(numbers))
+
+
+def _width(rows: pd.DataFrame, rank: int) -> Verdict:
+    """Return the range of the bands' mean width in contact over recordings and pushed axes."""
+    widths = rows["width95"].astype(float)
+    return Verdict(
+        question="bands",
+        rank=rank,
+        quantity="width of the 95 % band in contact, mean",
+        sense="less",
+        unit="N",
+        low=float(widths.min()),
+        high=float(widths.max()),
+        interval="range over recordings and axes",
+    )
 
 
 def _score(rows: pd.DataFrame) -> Verdict:
@@ -226,6 +250,7 @@ def _score(rows: pd.DataFrame) -> Verdict:
         state=state,
         reason=reason,
         quantity="interval score of the 95 % band in contact: width and 40 times what lies outside",
+        sense="less",
         value=row["score"],
         unit="N",
         axis="mean of x, y, z",
@@ -246,23 +271,33 @@ def _state_of_bands(row: "pd.Series[Any]", doubted: bool) -> tuple[State, Reason
     return ("usable" if reason else "good"), reason
 
 
-def _worth(part: pd.DataFrame) -> Iterator[tuple[str, float, str, "pd.Series[Any]", Reason]]:
+def _worth(
+    part: pd.DataFrame,
+) -> Iterator[tuple[str, Sense, float, str, "pd.Series[Any]", Reason]]:
     """Yield for bands in contact the least share of readings in the band, the longest share of time
-    in which it contains zero, and its relative width: (quantity, value, unit, row, reason) each.
+    in which it contains zero, and its relative width: (quantity, sense, value, unit, row,
+    reason) each.
     """
     own = sure(part)
     doubt: Reason = "sensor_bias" if (own["use"] == "no").any() else ""
     least = own.loc[own["coverage95"].idxmin()]
     few = least["coverage95"] < MIN_GOOD_COVERAGE
     quantity = "readings in contact within the 95 % band, least share"
-    yield quantity, 100 * least["coverage95"], "%", least, "undercovers" if few else doubt
+    yield (
+        quantity,
+        "at least",
+        100 * least["coverage95"],
+        "%",
+        least,
+        "undercovers" if few else doubt,
+    )
     blind = own.loc[own["zero_in_band95"].astype(float).fillna(0.0).idxmax()]
     long = blind["zero_in_band95"] > MAX_BLIND_SHARE
     quantity = "time in contact in which the 95 % band contains zero on all axes, at most"
-    yield quantity, 100 * blind["zero_in_band95"], "%", blind, "blind" if long else doubt
+    yield quantity, "at most", 100 * blind["zero_in_band95"], "%", blind, "blind" if long else doubt
     farthest = own.loc[np.log(own["band_factor95"].astype(float)).abs().idxmax()]
     quantity = "width of the 95 % band over the width that contains 95 %, farthest from 1"
-    yield quantity, 1 / farthest["band_factor95"], "", farthest, doubt
+    yield quantity, "ratio", 1 / farthest["band_factor95"], "", farthest, doubt
 
 
 def error_parts(study: StudyTables) -> Iterator[ErrorParts]:

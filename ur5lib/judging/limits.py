@@ -14,9 +14,13 @@ MIN_GOOD_BAND_FACTOR = 0.5  # a 95 % band is too wide if this share of its width
 MIN_LINK_TORQUE = 0.1  # Nm; link models are judged at joints with a larger mean torque
 MIN_PUSH = 1.0  # N; an axis counts as pushed above this mean force
 MAX_BLIND_SHARE = 0.5  # a useful band contains zero for at most this share of the time in contact
+MAX_HALF_INTERVAL = 0.5  # a number known within this share of it or worse is doubtful
 MIN_USABLE_SHARE = 0.5  # constants are usable if those of more than this share of joints are
 MAX_CHANCE_OF_ALARMS = 0.05  # a recording with a less probable number of alarms was touched
 USUAL_ALARMS, USUAL_SECONDS = 0.02, 60.0  # prior: false alarms in this time
+MAX_GOOD_PEAK_ERROR = 0.25  # share of a contact's peak by which its estimate may be too small
+# Log-odds: fits of a UR5, a UR10e and the default study have 0, with hidden contacts 15.
+MAX_USUAL_THRESHOLD = 5.0
 UPPER_LIMIT = 0.95  # probability of a rate's upper limit
 GOOD_ALARM_RATE = 1.0  # 1/min; if the upper limit without any alarm exceeds it, time is too short
 MAX_DRIFT_ERROR = 1.0  # N/min; largest half-width of a determined drift's 95 % interval

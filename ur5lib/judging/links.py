@@ -103,6 +103,7 @@ def judge_links(study: StudyTables, robot: str) -> Iterator[Verdict]:
         rank=4,
         quantity=f"joints on which {' and '.join(map(named, compared.best))} {verb} closest, "
         "or at most 5 % farther",
+        sense="more",
         count=compared.near,
         of=compared.differ,
     )
@@ -133,6 +134,7 @@ def _without_targets(study: StudyTables, robot: str) -> Iterator[Verdict]:
         determined = int((found["determined"] == "yes").sum())
         about: Any = {
             "quantity": "base parameters determined",
+            "sense": "more",
             "count": determined,
             "of": len(found),
         }

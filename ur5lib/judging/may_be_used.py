@@ -5,13 +5,16 @@ from dataclasses import fields
 from operator import attrgetter
 from typing import Any, NamedTuple
 
+from ur5lib.judging.limits import MAX_HALF_INTERVAL
 from ur5lib.records.codes import CauseCode
 from ur5lib.records.fits import FrictionRow, TorqueConstant
 from ur5lib.records.friction import Friction, Parameter
-from ur5lib.records.verdicts import Reason, Use
+from ur5lib.records.verdicts import Reason, State, Use
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import NORMAL95
 
+OFFSET = "offset"
+UNKNOWN = ("prior_only", "undetermined", "no_motion", "unproven")  # nothing says that it is wrong
 CONSTANT = "torque_constant"  # in a fit, the gain of measured torques has this name, too
 
 
@@ -23,11 +26,24 @@ class MayBeUsed(NamedTuple):
     use: Use
     reason: Reason
 
+    @property
+    def state(self) -> State:
+        """The same as a state of verdicts."""
+        if self.use == "yes":
+            return "usable" if self.reason else "good"
+        return "not determined" if self.reason in UNKNOWN else "do not use"
 
-def may_be_used(parameter: Parameter, fitted: Friction, arm: Robot) -> MayBeUsed:
+
+def may_be_used(
+    parameter: Parameter, fitted: Friction, arm: Robot, is_touched: bool = False
+) -> MayBeUsed:
     """Return whether a torque constant, a gain, an offset or friction of an arm may be used, and
     why not.
+
+    is_touched: whether a force sensor reads contacts on a recording of the fit.
     """
+    if is_touched and fitted.stopped is None:
+        return MayBeUsed("no", "touched")
     for reason in _obstacles(parameter, fitted, arm):
         return MayBeUsed("no", reason)
     return MayBeUsed("yes", next(_doubts(parameter, fitted), ""))
@@ -57,6 +73,10 @@ def _doubts(parameter: Parameter, fitted: Friction) -> Iterator[Reason]:
     """Yield the doubts about a usable parameter, the largest first."""
     if parameter.name == CONSTANT and _is_far(parameter, fitted):
         yield "far"
+    if parameter.name == CONSTANT and _excludes_known(parameter, fitted):
+        yield "excludes"
+    if parameter.name != OFFSET and _is_imprecise(parameter):
+        yield "imprecise"
     if CauseCode.ONE_PATH in codes_of(fitted, parameter.joint):
         yield "one_path"
 
@@ -89,30 +109,48 @@ def _is_far(constant: Parameter, fitted: Friction) -> bool:
     return bool(abs(constant.value - known.value[joint]) > NORMAL95 * known.std_error[joint])
 
 
-def friction_rows(fitted: Friction, arm: Robot) -> list[FrictionRow]:
+def _excludes_known(constant: Parameter, fitted: Friction) -> bool:
+    """Return whether a constant's 95 % interval excludes the documented one."""
+    known, (low, high) = fitted.known_constants, constant.interval
+    if known is None:
+        return False
+    value = known.value[constant.joint - 1]
+    return bool(value < low or value > high)
+
+
+def _is_imprecise(parameter: Parameter) -> bool:
+    low, high = parameter.interval
+    return bool(high - low >= 2 * MAX_HALF_INTERVAL * abs(parameter.value))
+
+
+def friction_rows(fitted: Friction, arm: Robot, is_touched: bool = False) -> list[FrictionRow]:
     """Return the rows of torque constants, offsets, friction terms, and total friction at a load.
 
-    A torque constant comes with its prior, and with the fitted value that contradicts this prior.
+    A torque constant comes with its prior, and with the fitted value that contradicts this prior;
+    is_touched: as of `may_be_used`.
     """
     loads = {} if fitted.load is None else dict(enumerate(fitted.load.tolist(), start=1))
-    rows = [FrictionRow(**_values(row, fitted, arm)) for row in fitted.parameters]
+    rows = [FrictionRow(**_values(row, fitted, arm, is_touched)) for row in fitted.parameters]
     rows += [
-        FrictionRow(**_values(row, fitted, arm), load=loads[row.joint]) for row in fitted.totals
+        FrictionRow(**_values(row, fitted, arm, is_touched), load=loads[row.joint])
+        for row in fitted.totals
     ]
     return sorted(rows, key=attrgetter("joint"))
 
 
-def torque_constants(fitted: Friction, arm: Robot) -> Iterator[TorqueConstant]:
+def torque_constants(
+    fitted: Friction, arm: Robot, is_touched: bool = False
+) -> Iterator[TorqueConstant]:
     """Yield only the torque constants of `friction_rows`, one for each joint with currents."""
     names = [field.name for field in fields(TorqueConstant) if field.name != CONSTANT]
-    for row in friction_rows(fitted, arm):
+    for row in friction_rows(fitted, arm, is_touched):
         if row.parameter == CONSTANT:
             same = {name: getattr(row, name) for name in names}
             yield TorqueConstant(torque_constant=row.value, **same)
 
 
-def _values(row: Parameter, fitted: Friction, arm: Robot) -> dict[str, Any]:
-    """Return the cells of a parameter's row in friction.csv, with `use` and `reason`."""
+def _values(row: Parameter, fitted: Friction, arm: Robot, is_touched: bool) -> dict[str, Any]:
+    """Return the cells of a parameter's row in friction.csv, with `use`, `reason` and `state`."""
     (low, high), joint, known = row.interval, row.joint - 1, fitted.known_constants
     names = ["joint", "value", "std_error", "determined"]
     names += ["prior_share", "arm_share", "day_share", "run_share"]
@@ -121,4 +159,5 @@ def _values(row: Parameter, fitted: Friction, arm: Robot) -> dict[str, Any]:
     if row.name == CONSTANT and known is not None:
         found |= {"known": float(known.value[joint]), "known_std": float(known.std_error[joint])}
         found |= {"contradicted": contradicted(fitted, row.joint)}
-    return found | may_be_used(row, fitted, arm)._asdict()
+    use = may_be_used(row, fitted, arm, is_touched)
+    return found | use._asdict() | {"state": use.state}

@@ -37,25 +37,30 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
     about: Any = {"question": QUESTION, "state": state, "reason": reason}
     if absent:
         about |= {"count": len(absent), "of": len(study.roles())}
-        yield Verdict(**about, quantity="recordings left out", recording=absent[0])
+        yield Verdict(**about, quantity="recordings left out", sense="less", recording=absent[0])
     elif (row := worst_finding(study)) is not None:
         name, frames = str(row["recording"]), _frames(study)
         yield Verdict(
             **about,
             quantity=IN_WORDS.get(row["code"], str(row["finding"])),
+            sense="less",
             recording=name,
             count=int(row["count"]),
             of=int(frames[name]) if row["code"] in OF_FRAMES else None,
         )
     else:
-        yield Verdict(**about, quantity="errors and warnings", count=0)
+        yield Verdict(**about, quantity="errors and warnings", sense="less", count=0)
     kinds = quality.drop_duplicates(["recording", "device", "finding", "severity"])
     counts = kinds["severity"].value_counts()
     for rank, name in enumerate(SEVERITIES, start=2):
         if name == SEVERITIES[0] or name in counts:
             noun = "stop signs" if name == SEVERITIES[0] else f"{name}s"
             yield Verdict(
-                question=QUESTION, rank=rank, quantity=noun, count=int(counts.get(name, 0))
+                question=QUESTION,
+                rank=rank,
+                quantity=noun,
+                sense="less",
+                count=int(counts.get(name, 0)),
             )
 
 

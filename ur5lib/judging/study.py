@@ -12,7 +12,7 @@ import yaml
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.records.codes import Found
-from ur5lib.records.pushes import SmallestPush
+from ur5lib.records.pushes import PushDirection, SmallestPush
 from ur5lib.records.quality import STOP
 from ur5lib.records.repetition import Repeated
 from ur5lib.records.verdicts import Reason, Verdict
@@ -25,6 +25,9 @@ AT_REST, IN_MOTION = "at rest", "in motion"
 OPTIONAL = {  # tables that not every study has
     "repetition": pd.DataFrame(columns=["robot", *(one.name for one in fields(Repeated))]),
     "pushes": pd.DataFrame(columns=["robot", *(one.name for one in fields(SmallestPush))]),
+    "push_directions": pd.DataFrame(
+        columns=["robot", *(one.name for one in fields(PushDirection))]
+    ),
     "verdicts": pd.DataFrame(columns=[one.name for one in fields(Verdict)]),
 }
 

@@ -7,6 +7,7 @@ from shlex import quote
 from typing import Any
 
 from ur5lib.errors import InputError, perhaps, unknown
+from ur5lib.recordings.echo_start import is_echoed
 
 RESULTS_FOLDER = Path("results")
 YAML_SUFFIXES = (".yaml", ".yml")
@@ -58,7 +59,8 @@ def results_folder(address: str) -> Path:
 def is_study(address: str) -> bool:
     """Return whether an address is that of a study, and not of a recording."""
     path = Path(address)
-    return not isfile(path) or path.suffix in YAML_SUFFIXES or path.name in REPORTS
+    is_yaml = path.suffix in YAML_SUFFIXES and not is_echoed(path)
+    return not isfile(path) or is_yaml or path.name in REPORTS
 
 
 def _without_report(address: str) -> Path:

@@ -75,6 +75,11 @@ def _lowpass(of: str, selection: Selection, _: str) -> list[float]:
     return design(_of_settings(f"lowpass.{of}", selection, ""))
 
 
+def _fit_settings(selection: Selection, _: str) -> dict[str, Any]:
+    lowpass, friction = _lowpass("currents", selection, ""), _of_settings("friction", selection, "")
+    return {"lowpass": lowpass, "terms": friction.terms, "prior": friction.prior}
+
+
 def _description(selection: Selection, robot: str) -> list[str]:
     """Return the description of an arm that the library does not have."""
     path = robot_path(_of_arm("arm", selection, robot))
@@ -93,6 +98,7 @@ OF_STUDY: Mapping[str, Given] = {
     "cutoff_hz": partial(_of_settings, "lowpass.currents.cutoff_hz"),
     "cutoffs_hz": lambda selection, _: selection.study.settings.lowpass.cutoffs_hz(),
     "false_alarms_per_min": partial(_of_settings, "alarms.false_per_min"),
+    "fit_settings": _fit_settings,
     "hosts": lambda selection, _: selection.study.devices_of_hosts(),
     "lowpass": partial(_lowpass, "currents"),
     "motion_lowpass": partial(_lowpass, "motion"),
@@ -100,6 +106,7 @@ OF_STUDY: Mapping[str, Given] = {
     "published_lowpass": partial(_lowpass, "published_forces"),
     "max_gap_s": partial(_of_settings, "frames.max_gap_s"),
     "min_singular_value": partial(_of_settings, "singularities.min_singular_value"),
+    "pushed_posture": partial(_of_settings, "pushes.posture_deg"),
     "trial_pushes": partial(_of_settings, "pushes.per_arm"),
 }
 OF_RECORDING: Mapping[str, Given] = {

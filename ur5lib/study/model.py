@@ -322,6 +322,19 @@ class Lowpass(Strict):
         return {name: design["cutoff_hz"] for name, design in self.model_dump().items()}
 
 
+class FrictionSettings(Strict):
+    """What is fitted of joint friction, besides Coulomb, viscous and load friction."""
+
+    terms: list[str] | None = Field(
+        None,
+        description="further terms, as velocity_root, velocity_square, velocity_stribeck or those "
+        "of extensions, [] for none; by default those that reduce errors on paths left out",
+    )
+    prior: bool = Field(
+        True, description="whether a UR's friction is expected to be as that of other URs"
+    )
+
+
 class Contact(Strict):
     """What is known in advance about contacts."""
 
@@ -353,6 +366,11 @@ class TrialPushes(Strict):
         "fewer than 10 of an axis at rest, in slow or in fast motion, no push is stated; of fewer "
         "than 40, its interval contains the push less often than 95 % (60 to 90 %)",
     )
+    posture_deg: list[float] | None = Field(
+        None,
+        description="joints [°] of a posture, beside recorded ones, for which the push at rest is "
+        "stated",
+    )
 
 
 class ForceSensorSettings(Strict):
@@ -379,6 +397,7 @@ class Settings(Strict):
 
     frames: Frames = Frames()
     lowpass: Lowpass = Lowpass()
+    friction: FrictionSettings = FrictionSettings()
     contact: Contact = Contact()
     alarms: AlarmSettings = AlarmSettings()
     pushes: TrialPushes = TrialPushes()

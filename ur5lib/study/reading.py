@@ -99,6 +99,20 @@ def parse_study(raw: PlainData, source: str) -> Study:
     return study
 
 
+def study_of_results(raw: PlainData, source: str) -> Study:
+    """Return the study that a configuration of finished results describes; the recordings that it
+    names may be gone.
+
+    Arguments and errors: as of `parse_study`.
+    """
+    try:
+        return _with_arms(Study.model_validate(_with_files(raw)))
+    except ValidationError as error:
+        schema = Study.model_json_schema()
+        mistakes = (f"{source}: {explain(detail, schema)}" for detail in error.errors())
+        raise InputError("\n".join(mistakes)) from error
+
+
 def _each_once(problems: Iterable[str]) -> Iterator[str]:
     """Yield each mistake once, with the names of the other entries that have the same."""
     alike: dict[str, dict[str, str]] = {}
@@ -355,12 +369,15 @@ def _repeated_names(raw: PlainData) -> Iterator[str]:
 
 
 def _repeated_files(raw: PlainData) -> Iterator[str]:
-    """Yield errors for recordings that share frames: validation on fitted data proves nothing."""
+    """Yield errors for recordings that share frames of one arm: validation on fitted data proves
+    nothing.
+    """
     files = defaultdict(list)
     for _, entry in _entries(raw):
         if isinstance(folder := entry.get("folder"), str):
-            files[str(Path(folder, str(entry.get("file", ""))))].append(entry)
-    for path, entries in sorted(files.items()):
+            path = str(Path(folder, str(entry.get("file", ""))))
+            files[path, _positions(entry)].append(entry)
+    for (path, _), entries in sorted(files.items()):
         extents = sorted(map(_extent, entries))
         if any(end > start for (_, end), (start, _) in pairwise(extents)):
             names = " and ".join(str(entry.get("name")) for entry in entries)
@@ -368,6 +385,15 @@ def _repeated_files(raw: PlainData) -> Iterator[str]:
                 f"recordings: {names} use the same {path}; give each its own file, or its own part "
                 "of it by `from_s` and `to_s`"
             )
+
+
+def _positions(entry: PlainData) -> str:
+    """Return what an entry reads as positions, by which two arms in one file differ."""
+    columns, channels = entry.get("columns"), entry.get("channels")
+    if isinstance(channels, dict):
+        return str(channels.get("actual_q", ""))
+    of_joints = (str(name).startswith("actual_q") for name in columns or ())
+    return str([*of_joints]) if isinstance(columns, list) else ""
 
 
 def _extent(entry: PlainData) -> tuple[float, float]:

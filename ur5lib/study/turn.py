@@ -129,9 +129,10 @@ def reserved(path: Path, wait: bool = False) -> Iterator[None]:
 
     The lock is `.<name>.lock` next to it; one that a killed process left keeps nobody out. wait:
     whether to wait while another process has it. Raises InputError otherwise, and where it cannot
-    be written.
+    be written. Folders that it makes and that stay empty are gone at the end.
     """
     place = path.with_name(f".{path.name}.lock")
+    made = [own for own in path.parents if not own.exists()]
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         lock = _lasting(partial(_reservation, place, wait), place)
@@ -148,6 +149,9 @@ def reserved(path: Path, wait: bool = False) -> Iterator[None]:
             yield
         finally:
             place.unlink(missing_ok=True)
+            with contextlib.suppress(OSError):  # what was written there stays
+                for own in made:
+                    own.rmdir()
 
 
 def _reservation(path: Path, wait: bool) -> IO[bytes]:
