@@ -21,13 +21,19 @@ from tests.artefacts.drawn_arm import VIEWS, check_drawn
 from tests.house.test_seven_joints import JOINTS, arm
 from tests.made_records import signals_of, stretch
 from tests.made_study import study
-from tests.typeset_page import sources
+from tests.typeset_page import plain, sources
 from ur5lib.records.currents import Currents
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.scene import Scene
 from ur5lib.report.figures.charts import response_panel
 from ur5lib.report.figures.house_style import JOINT_COLOURS, save
-from ur5lib.report.figures.scene import MOST_POSTURES, arm_scene, shown_rows, upright
+from ur5lib.report.figures.scene import (
+    MOST_POSTURES,
+    arm_scene,
+    link_before_last,
+    shown_rows,
+    upright,
+)
 from ur5lib.report.figures.traces import (
     CURRENT_PANELS,
     FORCE_PANELS,
@@ -42,6 +48,7 @@ from ur5lib.tables import read_csv, write_json, write_text
 
 LENGTH = 60.0  # s
 FRAME = 1000 / 60  # ms
+LARGEST = "largest force 43.9 ± 11.7\u00a0N"  # of the pushed arm, at 20 s
 UPLOT = "1.6.32"
 RELEASED = {  # SHA-256 of the release's files
     "uPlot.iife.min.js": "19c8d4c6ad88929a79f4ae49d6f7161566dfd0ba3d15cc495e974f787eb78f1f",
@@ -79,7 +86,9 @@ def pushed(role: str = "contact", read: float | None = 1.0) -> Scene:
     odds = np.where(touched[:, 0], 5.0, -5.0)
     signals = replace(signals_of(time, q), segment=segment)
     currents = Currents(**samples, external_torque=torque)
-    forces = Forces(**samples, wrench={"Fmap": wrench}, std={"Fmap": std}, log_odds={"Fmap": odds})
+    hidden = np.where(touched, 0.0, [20.0, 30.0, 40.0])
+    estimate = {"wrench": {"Fmap": wrench}, "std": {"Fmap": std}, "log_odds": {"Fmap": odds}}
+    forces = Forces(**samples, **estimate, hidden=hidden)
     by_sensor = {} if read is None else {"compensated": read * sensed}
     sensor = SensorWrenches(**samples, wrench=by_sensor)
     known = {"signals": signals, "currents": currents, "forces": forces, "sensor": sensor}
@@ -215,6 +224,22 @@ def test_what_touches_the_arm_is_marked() -> None:
 def report(figures: Path) -> Path:
     paths = {"forces": "pushed/forces", "currents": "pushed/currents", "others": "still/currents"}
     return write_page(figures, **paths)
+
+
+def test_the_touched_link_is_shown_where_it_is_not_the_last() -> None:
+    time = np.arange(0, 4, 0.1)
+    forces = Forces(
+        **stretch(time),
+        wrench={},
+        std={},
+        log_odds={},
+        link=np.where(time < 2, 3.0, np.nan),
+        off_flange=np.select([time < 1, time < 2], [0.9, 0.1], np.nan),
+    )
+    shown = link_before_last(forces)
+    assert shown is not None
+    assert set(shown[time < 1]) == {3}
+    assert not shown[time >= 1].any()
 
 
 def test_a_page_holds_each_arm_once_and_only_those_it_shows(report: Path) -> None:
@@ -408,6 +433,8 @@ def test_the_arm_is_drawn_where_it_is(page: Any, time: float, view: tuple[float,
     force, sensed = touched * np.array([30.0, -20, 25]), touched * np.array([10.0, 30, 25])
     std = (2 + np.sin(time)) * np.array([1.0, 2, 3])
     check_drawn(page, "pushed", arm(), (time, q, force, std, sensed), view)
+    told = plain(page.text_content("#forces .readout"))
+    assert ("one of up to 20.0, 30.0, 40.0 N could be hidden" in told) == (not touched)
 
 
 def test_joints_are_darker_the_larger_their_torque(page: Any) -> None:
@@ -603,7 +630,7 @@ def test_what_a_sensor_reads_is_no_false_alarm(chromium: Any, tmp_path: Path) ->
     figure = drawn(tmp_path / "led" / "forces.svg", WRENCH_PANELS)
     page = page_of(figure, pushed("validate"), chromium)
     page.evaluate("stretches.get('led').point(25)")
-    page.wait_for_selector("text=At 25.00 s: contact by the force sensor and by F̂ᵐᵃᵖ.")
+    page.wait_for_selector(f"text=At 25.00 s: contact by the force sensor and by F̂ᵐᵃᵖ, {LARGEST}.")
     assert page.locator("[aria-label^='False alarm']").count() == 0
     page.close()
 
@@ -614,7 +641,7 @@ def test_an_alarm_while_nothing_touches_the_arm_is_called_false(
     figure = drawn(tmp_path / "free" / "forces.svg", WRENCH_PANELS)
     page = page_of(figure, pushed("validate", read=None), chromium)
     page.evaluate("stretches.get('free').point(25)")
-    page.wait_for_selector("text=At 25.00 s: false alarm by F̂ᵐᵃᵖ.")
+    page.wait_for_selector(f"text=At 25.00 s: false alarm by F̂ᵐᵃᵖ, {LARGEST}.")
     assert page.locator("[aria-label*='False alarm by F̂ᵐᵃᵖ (gate): 20.0']").count() == 1
     page.close()
 
@@ -652,6 +679,15 @@ def test_a_link_leads_to_the_second_of_the_largest_error(page: Any) -> None:
     page.wait_for_selector("#currents .plots")
     page.wait_for_function("() => stretches.get('pushed').time >= 20")
     assert 20 <= time_of(page) <= 30
+
+
+def test_a_link_leads_to_the_second_that_it_names(page: Any) -> None:
+    """Also where a part without it is shown, and in what is folded."""
+    page.evaluate("location.hash = '#currents'")
+    page.wait_for_selector("#currents .plots")
+    page.evaluate("stretches.get('pushed').show(20, 30)")
+    page.evaluate("location.hash = '#currents@12.5'")
+    page.wait_for_function("() => stretches.get('pushed').time === 12.5")
 
 
 def test_a_phone_shows_it_whole_and_two_fingers_zoom(chromium: Any, report: Path) -> None:

@@ -86,7 +86,7 @@ def test_names_joints_and_errors_in_words() -> None:
         *("joint 2", "joints 1, 3", "joints 2 to 4"),
     ]
     assert [with_error(2.04, std) for std in (0.047, 3.0, float("nan"))] == [
-        *("2.04 ± 0.05", "2 ± 3", "2.04"),
+        *("2.04 ± 0.09", "2 ± 6", "2.04"),
     ]
 
 
@@ -329,13 +329,21 @@ def test_contacts_without_a_sensor_are_counted_and_those_off_the_flange_named() 
         "be wrong.",
         "Contacts found without a force sensor: 2 on “pushed”.",
     ]
+    moving = [off | {"link": link, "peak_s": float(link)} for link in (3, 2)]
+    assert findings(study(contacts=[contact, off, *moving], **known))[:2] == [
+        "2 of 4 contacts on “pushed”, at 3.0, 2.0 s, seem to be off the flange, most likely on "
+        "links 2, 3.",
+        "1 of 4 contacts on “pushed”, at 12.8 s, seems to be off the flange, where its force would "
+        "be wrong.",
+    ]
     assert findings(study(**known)) == ["Contacts found without a force sensor: none on “pushed”."]
 
 
 def test_loads_are_findings() -> None:
     load = LOAD | {"low": 1.8, "high": 2.2}
     assert findings(study(payload=[load])) == [
-        "The currents show an undeclared load of 2 kg on “seen” (95 %: 1.8 to 2.2)."
+        "The currents show an undeclared load of 2 kg on “seen” (95 %: 1.8 to 2.2), taken off the "
+        "force."
     ]
     both = study(payload=[load, load | {"recording": "pushed", "mass": 2.5}])
     assert findings(replace(both, effort=TORQUE)) == [
@@ -343,7 +351,7 @@ def test_loads_are_findings() -> None:
     ]
     taken = {"recording": "pushed", "estimate": LEADING, "kind": "load", "load_mass": 2.04}
     assert findings(study(contacts=[taken | {"load_mass_std": 0.047}])) == [
-        "The arm takes up a load of 2.04 ± 0.05 kg on “pushed”."
+        "The arm takes up a load of 2.04 ± 0.09 kg on “pushed”."
     ]
 
 

@@ -124,7 +124,7 @@ def _undeclared_loads(results: Results) -> Iterator[str]:
     if len(names) == 1:
         mass, low, high = (number(rows[name].iloc[0], ".3g") for name in ("mass", "low", "high"))
         load = f"an undeclared load of {mass} kg on “{names[0]}”"
-        yield f"{show} {load} (95 %: {low} to {high})."
+        yield f"{show} {load} (95 %: {low} to {high}), taken off the force."
     elif names:
         least, most = (number(end, ".3g") for end in (rows["mass"].min(), rows["mass"].max()))
         loads = f"undeclared loads of {least} to {most} kg"
@@ -149,14 +149,25 @@ def _without_a_sensor(results: Results) -> dict[str, pd.DataFrame]:
 
 
 def _off_flange(results: Results) -> Iterator[str]:
-    """Report the contacts that seem to be off the flange, where the stated forces are wrong."""
+    """Report the contacts that seem to be off the flange, with the link, where it is known; at
+    rest, the stated forces are then wrong.
+    """
     for name, rows in _without_a_sensor(results).items():
-        if times := [*rows.loc[rows["kind"] == Kind.OFF_FLANGE, "peak_s"]]:
-            seem, their = ("seems", "its force") if len(times) == 1 else ("seem", "their forces")
+        off = rows[rows["kind"] == Kind.OFF_FLANGE]
+        for at_rest, own in off.groupby(off["link"].isna()):
+            times, one = [*own["peak_s"]], len(own) == 1
+            their = "its force" if one else "their forces"
+            where = f"where {their} would be wrong" if at_rest else f"most likely on {_links(own)}"
             yield (
-                f"{len(times)} of {len(rows)} contacts on “{name}”, at {as_written(times, '.1f')} "
-                f"s, {seem} to be off the flange, where {their} would be wrong."
+                f"{len(own)} of {len(rows)} contacts on “{name}”, at {as_written(times, '.1f')} "
+                f"s, {'seems' if one else 'seem'} to be off the flange, {where}."
             )
+
+
+def _links(contacts: pd.DataFrame) -> str:
+    """Return the likeliest links of contacts in words."""
+    links = sorted({int(link) for link in contacts["link"]})
+    return f"link{'s' * (len(links) > 1)} {', '.join(map(str, links))}"
 
 
 def _without_sensor(results: Results) -> Iterator[str]:

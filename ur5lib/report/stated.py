@@ -10,6 +10,7 @@ from ur5lib.errors import OVERRULED_BY, printable
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.contacts import OF_CONTACTS, Kind
 from ur5lib.report.results import Results
+from ur5lib.timeseries.metrics import NORMAL95
 
 MOST_NAMED = 3  # recordings that a sentence names
 # A part of a finding with fewer words is a place; with more, it says what is wrong.
@@ -53,13 +54,16 @@ def capital(text: str) -> str:
 
 
 def with_error(value: float, std: float) -> str:
-    """Return a value ± its standard error, rounded to one digit of the error, or to whole numbers;
-    without an error, the value alone.
+    """Return a value ± half of its 95 % interval, rounded to one digit of that half, or to whole
+    numbers; without an error, the value alone.
+
+    std: standard error.
     """
     if not 0 < std < math.inf:
         return f"{value:.3g}"
-    digits = max(0, -math.floor(math.log10(std)))
-    return f"{value:.{digits}f} ± {std:.{digits}f}"
+    half = NORMAL95 * std
+    digits = max(0, -math.floor(math.log10(half)))
+    return f"{value:.{digits}f} ± {half:.{digits}f}"
 
 
 def joints(numbers: Iterable[float]) -> str:

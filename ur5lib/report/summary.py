@@ -1,7 +1,7 @@
 """The summary of a study, `results.json`: verdicts, what they were before, next steps, findings."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -161,7 +161,8 @@ def _key(row: dict[str, Any]) -> tuple[str, ...]:
 
 def _plain(row: dict[Any, Any]) -> dict[str, Any]:
     """Return a row of a table with None for empty cells."""
-    own = {str(name): None if pd.isna(value) else value for name, value in row.items()}
+    own: dict[str, Any] = {field.name: None for field in fields(Verdict)}  # of an earlier version
+    own |= {str(name): None if pd.isna(value) else value for name, value in row.items()}
     return own | {name: int(own[name] or 0) for name in WHOLE if own[name] is not None}
 
 

@@ -31,6 +31,7 @@ INVALID_DESCRIPTION = "is not a valid description of an arm (docs/robots.md)"
 # A suggested load is the first share of the rated payload, or the second of the links' mass.
 LOAD_SHARE, LINKS_SHARE = 0.4, 0.1
 LOAD_PLACE = (0.06, 0.0, 0.05)  # m; centre of mass of the suggested load
+UNNAMED_ARM = "my_arm"  # in an entry for an arm that has no description yet
 # The first have the kinematics, masses and inertias of the second.
 SAME_LINKS = {"ur7e": "ur5e", "ur12e": "ur10e"}
 GRAVITY_RANGE = (9.0, 10.5)  # m/s², on earth
@@ -270,12 +271,13 @@ class Drives(Described):
     """The relation of a controller's counts to the joints of the description.
 
     positions: whether positions are logged on the side of the joints or of the motors, which
-    `gear_ratio` relates; directions: -1 for a joint that is counted against its axis; home_deg: the
-    joint's angle where the controller's is zero [°]; coupling: motors that turn with two joints, in
-    the controller's counts.
+    `gear_ratio` relates, or of joints of which some are counted with others by `coupling`, as a
+    Fanuc's J3 from the horizontal; directions: -1 for a joint that is counted against its axis;
+    home_deg: the joint's angle where the controller's is zero [°]; coupling: motors, or such
+    counts, that turn with two joints.
     """
 
-    positions: Literal["joint", "motor"] = "joint"
+    positions: Literal["joint", "motor", "coupled"] = "joint"
     directions: PerLink[Direction] = ()
     home_deg: PerJoint = ()
     coupling: list[CoupledMotor] = Field(default_factory=list)
@@ -575,6 +577,12 @@ def robot_names() -> list[str]:
 
 def no_description(name: str) -> str:
     """Return the message for an arm without description, with the most similar known name."""
+    if name == UNNAMED_ARM:
+        return (
+            f"`{name}` stands for an arm that no file names: write its own name here, one of "
+            f"{', '.join(robot_names())}, or import again with --robot; `ur5 describe` describes "
+            "another arm"
+        )
     names_by_letters = {
         _letters(described_name): described_name for described_name in robot_names()
     } | SAME_LINKS

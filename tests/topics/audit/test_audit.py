@@ -49,7 +49,7 @@ def test_its_section_says_what_is_wrong_and_what_to_type(tmp_path: Path) -> None
     assert "set_payload(1.000, [0.020, 0.020, 0.020])" in told.text
     verdicts = told.tables["wrist-sensor"]
     assert [row["verdict"] for row in verdicts] == ["wrong"] * 3
-    assert verdicts[1]["x, or mass"] == "1.000 ± 0.010"
+    assert verdicts[1]["x, or mass"] == "1.000 ± 0.020"
     assert verdicts[1]["should be"] == "1.2"
     every = section("audit", found, "details").tables["wrist-sensor-values"]
     assert len(every) == 7
@@ -84,7 +84,7 @@ def test_the_command_says_the_same_in_sentences(tmp_path: Path) -> None:
     assert any("its axes are turned by 8.7°" in one for one in told)
     assert any("force_sensor_turn_deg: [5.0, 5.0, 5.0]" in one for one in told)
     assert (
-        "  the sensor carries 1.00 ± 0.01 kg; 1.2 kg are declared: "
+        "  the sensor carries 1.00 ± 0.02 kg; 1.2 kg are declared: "
         "set_payload(1.000, [0.020, 0.020, 0.020])"
     ) in told
     scaled = rows.assign(quantity=rows["quantity"].replace("turn", "scale"))

@@ -59,6 +59,7 @@ def results(folder: Path, seed: int = 0, coulomb_3: float = 0.0, error: float = 
     finding = {"recording": ["run"], "device": ["robot"], "finding": ["lost frames"]}
     count = {"severity": ["warning"], "count": [86 * int(error)]}
     write("quality", pd.DataFrame(finding | count))
+    write("recordings", pd.DataFrame({"recording": ["run"]}))
     return folder
 
 
@@ -100,6 +101,14 @@ def test_larger_errors_and_new_findings_are_named(tmp_path: Path) -> None:
     texts = [*lines(compare(before, after))]
     assert "  run, robot: lost frames: 86 before, 172 now" in texts
     assert "  run, joint 1: 0.1 A before, 0.2 A now" in texts
+
+
+def test_findings_of_recordings_that_one_study_has_alone_are_not_compared(tmp_path: Path) -> None:
+    before, after = results(tmp_path / "a"), results(tmp_path / "b")
+    for name in ("quality", "recordings"):
+        table = after / "tables" / f"{name}.csv"
+        table.write_text(table.read_text().replace("run", "other"))
+    assert not [one for one in compare(before, after) if one.topic == "data"]
 
 
 def test_results_before_an_update_are_compared_with_those_after(tmp_path: Path) -> None:

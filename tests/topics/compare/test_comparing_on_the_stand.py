@@ -28,7 +28,15 @@ def study(folder: Path, seed: int, coulomb_3: float = 1.0) -> Path:
         "rotor_inertia": table(RotorRow, {"ur5": rotor_rows(rotors(recordings))}),
     }
     (folder / "tables").mkdir(parents=True)
-    for name in (*known, "parameters", "payload", "current_rmse", "force_mae", "quality"):
+    for name in (
+        *known,
+        "parameters",
+        "payload",
+        "current_rmse",
+        "force_mae",
+        "quality",
+        "recordings",
+    ):
         rows = known.get(name, empty(name))
         rows.to_csv(folder / "tables" / f"{name}.csv", index=False)
     return folder

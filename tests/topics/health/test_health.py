@@ -255,7 +255,8 @@ def test_the_card_has_the_largest_change(results: Results) -> None:
     (card,) = page_of(filled(with_verdicts(results))).find_class("card")
     told = plain(card.text_content())
     assert card.get("data-question") == "drift"
-    assert "Largest: Coulomb friction of joint 4, by 2" in told
+    assert "Largest change, coulomb: +2" in told
+    assert told.endswith("joint 4")
     (picture,) = card.iter("svg")
     assert "Coulomb friction of joint 4" in picture.get("aria-label")
 

@@ -35,9 +35,9 @@ def options(results: Results) -> list[str]:
 def test_what_to_record_next_names_what_is_known_least_and_the_command() -> None:
     told = section("next_recordings", poorly_known()).text
     assert (
-        "least (± standard error; share of its variance that rests on other arms): load friction "
-        "of joint 3 (± 0.1, 90 %), Coulomb friction of joint 6 (± 0.1, 6 %), Coulomb friction "
-        "of joint 5 (± 0.1, 5 %)."
+        "least (± half of its 95 % interval; share of its variance that rests on other arms): "
+        "load friction of joint 3 (± 0.2, 90 %), Coulomb friction of joint 6 (± 0.2, 6 %), "
+        "Coulomb friction of joint 5 (± 0.2, 5 %)."
     ) in told
     assert "Mount the known load, here 1 kg next to the axis of joint 6" in told
     words = options(poorly_known())

@@ -6,9 +6,10 @@ from typing import Protocol
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ur5lib.force.estimators import NEW
+from ur5lib.force.alarms import Alarms, alarms_of, largest_force
+from ur5lib.force.estimators import NEW, all_stated
 from ur5lib.force.sensed_contact import CONTACT_FORCE, FREE_ROLES, contacts
-from ur5lib.force.thresholds import alarms
+from ur5lib.force.touched_link import LIKELY
 from ur5lib.records.currents import Currents
 from ur5lib.records.forces import Forces, SensorWrenches
 from ur5lib.records.scene import LinkPose, Scene, Spans
@@ -45,6 +46,7 @@ def arm_scene(recording: Shown, arm: Robot, thresholds: Mapping[str, float]) -> 
     lead = next((name for name in NEW if name in forces.wrench), "")
     estimates = forces.anew(rows)
     found = lead in thresholds and lead in forces.log_odds
+    raised = alarms_of(all_stated(forces, {})[lead], thresholds[lead]) if found else None
     return Scene(
         links=[LinkPose(*link_tail(pose)) for pose in arm.link_poses()],
         upright=upright(arm.gravity),
@@ -55,11 +57,30 @@ def arm_scene(recording: Shown, arm: Robot, thresholds: Mapping[str, float]) -> 
         torque=_rounded(recording.currents.anew(rows).external_torque),
         force=_force(estimates.wrench.get(lead)),
         std=_force(estimates.std.get(lead)),
+        hidden=_rounded(estimates.hidden),
         sensed=_force(sensor.anew(rows).wrench.get("compensated")),
+        link=link_before_last(estimates),
         contacts=None if felt is None else _spans(touches, time),
-        alarms=_spans(alarms(forces.log_odds[lead], thresholds[lead]), time) if found else None,
+        alarms=None if raised is None else _spans(raised.raised, time),
+        largest=None if raised is None or lead not in forces.std else _largest(raised),
         free=recording.role in FREE_ROLES and not touches,
     )
+
+
+def _largest(own: Alarms) -> list[tuple[float, float]]:
+    """Return the largest force [N] of each alarm, and half of its 95 % band [N]."""
+    spans = (slice(*span) for span in own.raised)
+    found = (largest_force(own.unsmoothed[span], own.std[span, :3]) for span in spans)
+    return [(round(size, 1), round(band, 1)) for size, band in found]
+
+
+def link_before_last(forces: Forces) -> Labels | None:
+    """Return the likeliest touched link (N,), from 1, where that is probably not the last one, and
+    0 elsewhere.
+    """
+    if forces.link is None or forces.off_flange is None:
+        return None
+    return np.where(forces.off_flange >= LIKELY, np.nan_to_num(forces.link), 0.0).astype(int)
 
 
 def shown_rows(segment: Labels, period: float) -> Labels:

@@ -90,7 +90,8 @@ def packed_scene(file: Path) -> str:
     a column (`_column`) for each component.
     """
     scene = read_record(Scene, file)
-    measured = {name: getattr(scene, name) for name in ("torque", "force", "std", "sensed")}
+    names = "torque", "force", "std", "hidden", "sensed"
+    measured = {name: getattr(scene, name) for name in names}
     return _packed(
         {
             "links": [{name: one.tolist() for name, one in vars(k).items()} for k in scene.links],
@@ -98,9 +99,11 @@ def packed_scene(file: Path) -> str:
             "time": _column(scene.time, MILLI),
             "segment": _column(scene.segment.astype(float), 1.0),
             "q": _columns(scene.q, MILLI),
+            "link": None if scene.link is None else _column(scene.link.astype(float), 1.0),
             "estimate": scene.estimate,
             "contacts": scene.contacts,
             "alarms": scene.alarms,
+            "largest": scene.largest,
             "free": scene.free,
             **{name: _columns(own, CENTI) for name, own in measured.items() if own is not None},
         }

@@ -18,7 +18,9 @@ import numpy as np
 import pandas as pd
 
 from ur5lib import __version__
+from ur5lib.errors import InputError, unknown
 from ur5lib.force.estimators import ESTIMATES, LEADING, NEW
+from ur5lib.records.verdicts import STATES
 from ur5lib.report.figures.traces import BAND_EDGES, ERROR, HIDDEN, LINE_COLUMN, UNFILTERED
 from ur5lib.report.page import closer
 from ur5lib.report.results import Results
@@ -31,6 +33,7 @@ SOURCES = Path(__file__).parent
 TOPICS = sorted(PACKAGE.glob("topics/*/section.typ"))
 WORDS = (*sorted(SOURCES.glob("*.typ")), *sorted(SOURCES.glob("*/*.typ")), *TOPICS)
 ROWS = re.compile(r'rows-of\("([\w.]+)"\)')
+ROW_CLASS = re.compile(r"\brows? of (\w+)\.csv")
 DIGITS = 15  # of numbers in JSON, after the point
 MOST_NAMED = 4  # recordings in a notice
 
@@ -67,7 +70,8 @@ def sources(data: Mapping[str, object], figures: Path = Path()) -> Iterator[Path
     """
     with TemporaryDirectory() as folder:
         root = Path(folder)
-        shutil.copy(SOURCES / "report.typ", root)  # the main file must not be a link
+        for main in SOURCES.glob("*.typ"):
+            shutil.copy(main, root)  # a main file must not be a link
         for part in ("kit", "sections"):
             (root / part).symlink_to(SOURCES / part)
         (root / "figures").symlink_to(figures.resolve())
@@ -113,13 +117,24 @@ def rows_read() -> list[str]:
 def rows_of(name: str, results: Results) -> object:
     """Return the rows of a table, or of a view `module.function`; [] if a topic's table is absent.
 
-    Raises KeyError or AttributeError if there is no such view.
+    Raises KeyError or AttributeError if there is no such view, InputError if no table has the name.
     """
     module, _, function = name.rpartition(".")
     try:
         return getattr(views()[module], function)(results) if module else results.rows(name)
-    except AbsentTableError:
+    except AbsentTableError as absent:
+        if absent.args[0] not in tables_of_rows():
+            raise InputError(unknown("table", absent.args[0], [*tables_of_rows()])) from None
         return []
+
+
+@cache
+def tables_of_rows() -> dict[str, Path]:
+    """Return the file with the class of rows of each table, by the table's name."""
+    files = [
+        path for part in ("records", "steps", "topics/*") for path in PACKAGE.glob(f"{part}/*.py")
+    ]
+    return {name: path for path in files for name in ROW_CLASS.findall(path.read_text("utf-8"))}
 
 
 @cache
@@ -156,6 +171,7 @@ def study_data(results: Results) -> dict[str, Any]:
             "estimates": ESTIMATES,
             "leading": ESTIMATES[LEADING],
             "new": [*NEW],
+            "states": STATES,
             "figures": figures,
             "scenes": sorted({name.split("/")[0] for name in figures} & _scenes(results.figures)),
             "sections": sections(),

@@ -27,6 +27,7 @@ STYLE = re.compile(r'style="([^"]*)"')
 # These are escaped in a data URI in double quotes.
 IN_ADDRESS = str.maketrans({"%": "%25", "#": "%23", "&": "%26"})
 SCRIPTS = '<script type="text/plain" id="scripts"></script>'
+MAINS = {"several": "several.typ"}  # pages with a source of their own
 TABLES = Path(__file__).with_name("kit") / "tables.js"
 SECTION = re.compile(r'<section [^>]*\bid="([^"]+)"')
 SCRIPT = re.compile(r"<script>(.*?)</script>", re.DOTALL)
@@ -143,7 +144,9 @@ def _compiled(root: Path, page: str, target: str, **further: Any) -> bytes:
     """
     options = _options(root, page, target) | {"format": target, "timestamp": 0} | further
     try:
-        made, warnings = typst.compile_with_warnings(root / "report.typ", **options)
+        made, warnings = typst.compile_with_warnings(
+            root / MAINS.get(page, "report.typ"), **options
+        )
     except typst.TypstError as error:
         raise _failed(root, error.diagnostic[error.diagnostic.index("error: ") :]) from None
     for warning in warnings:

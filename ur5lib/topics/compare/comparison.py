@@ -84,14 +84,19 @@ def _with_error(value: float, half: float, unit: str) -> str:
 
 
 def data(studies: StudyPair) -> Iterator[Comparison]:
-    """Yield comparisons of the findings about the recordings' files, without notes."""
-    counts: list[dict[str, int]] = []
-    for study in studies:
-        rows = _read(study, "quality", ["recording", "device", "finding", "severity"], ["count"])
+    """Yield comparisons of the findings about the files of recordings that both have, without
+    notes.
+    """
+    keys, counts = ["recording", "device", "finding", "severity"], list[dict[str, int]]()
+    tables = [_read(study, "quality", keys, ["count"]) for study in studies]
+    named = [{*_read(study, "recordings", ["recording"], [])["recording"]} for study in studies]
+    for rows in tables:
         rows = rows.assign(code=rows.get("code", rows["finding"]))  # 1.0 has no codes
-        severe = rows[rows["severity"].isin(COMPARED_SEVERITIES)].itertuples()
-        named = {f"{r.recording}, {r.device}: {Found(r.code).words}": int(r.count) for r in severe}
-        counts.append(named)
+        severe = rows["severity"].isin(COMPARED_SEVERITIES)
+        compared = rows[severe & rows["recording"].isin(named[0] & named[1])].itertuples()
+        counts.append(
+            {f"{r.recording}, {r.device}: {Found(r.code).words}": int(r.count) for r in compared}
+        )
     for name in sorted(counts[0].keys() | counts[1].keys()):
         old, new = (by_name.get(name, 0) for by_name in counts)
         yield Comparison("data", name, str(old), str(new), old != new, old != new)

@@ -28,7 +28,7 @@ def _judged(health: pd.DataFrame, changes: pd.DataFrame) -> Iterator[Verdict]:
     dates = health["date"].nunique()
     if reason == "few_dates":
         name = "dates with a path of another date"
-        about: Any = {"state": state, "reason": reason, "quantity": name}
+        about: Any = {"state": state, "reason": reason, "quantity": name, "sense": "more"}
         yield Verdict(question=QUESTION, **about, count=repeated(health), of=dates)
         return
     yield Verdict(
@@ -36,6 +36,7 @@ def _judged(health: pd.DataFrame, changes: pd.DataFrame) -> Iterator[Verdict]:
         state=state,
         reason=reason,
         quantity="quantities of joints that changed",
+        sense="less",
         count=len(changes),
         of=tested,
     )
@@ -50,6 +51,7 @@ def _judged(health: pd.DataFrame, changes: pd.DataFrame) -> Iterator[Verdict]:
             quantity=f"largest change, {str(row['quantity']).replace('_', ' ')}",
             value=float(shares[row.name]),
             unit="%",
+            sense="change",
             joint=int(row["joint"]),
         )
 

@@ -39,7 +39,9 @@ def compared(
     tables: Mapping[str, pd.DataFrame],
     explained: Sequence[ExplainedRow],
 ) -> Iterator[dict[str, object]]:
-    """Yield a row for each published number of the recordings in the study's tables (by name)."""
+    """Yield a row of printed.csv for each published number of the recordings in the study's tables
+    (by name).
+    """
     for name, table in reference.printed.items():
         for row in dict(table.values):
             about = {

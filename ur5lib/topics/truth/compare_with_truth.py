@@ -73,7 +73,7 @@ def compare_with_truth(
     calibration: Mapping[str, dict[str, ImuCalibration]],
     lowpass: Butterworth,
 ) -> pd.DataFrame:
-    """Return the table of estimates compared with the truth.
+    """Return the rows of truth.csv, estimates compared with the truth.
 
     truth, truth_summary: files of `Truth` and `TrueParameters` of the simulated recordings, of
     which recordings has those that can be read; calibration: of each arm's IMU; lowpass: of the

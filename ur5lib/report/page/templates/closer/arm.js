@@ -137,13 +137,13 @@ class Arm {
     return [this.wide / 2 + right, (this.high - STRIP) / 2 - up];
   }
 
-  drawArm(pen, { origins, axes, torque, force, std, sensed, isShut }) {
+  drawArm(pen, { origins, axes, torque, force, std, sensed, link, isShut }) {
     const flange = origins.at(-1), nearness = (point) => dot(this.axes[2], point);
     this.drawGround(pen, origins);
     const pieces = axes.flatMap((axis, k) => { // the drawing of each link and joint, and how near it is
       const radius = this.scene.radius(k), mark = this.scene.mark(origins[k], axis, k), ends = [origins[k], origins[k + 1]];
       const share = torque ? Math.abs(torque[k]) / this.largestTorque : NaN;
-      return [[nearness(ends[0]) + nearness(ends[1]), () => this.drawCapsule(pen, ends, radius, LINK, EDGE)],
+      return [[nearness(ends[0]) + nearness(ends[1]), () => this.drawCapsule(pen, ends, radius, link === k + 1 ? ESTIMATE : LINK, EDGE)],
         [2 * nearness(origins[k]) + radius, () => this.drawCapsule(pen, mark, 0.8 * radius, shade(share), INK)]];
     });
     pieces.sort(([a], [b]) => a - b).forEach(([, piece]) => piece());
@@ -241,15 +241,18 @@ class Arm {
 
   // Write what is drawn.
   tell(now) {
-    const { estimate, contacts, alarms, free } = this.scene, { time } = this.stretch;
-    const { force, std, sensed, torque, isShut } = now ?? {};
+    const { estimate, contacts, alarms, largest, free } = this.scene, { time } = this.stretch;
+    const { force, std, hidden, sensed, torque, link, isShut } = now ?? {};
     const list = (numbers, factor = 1) => numbers.map((one) => withMinus(factor * one, READ_DIGITS)).join(", ");
-    const finders = [contacts && inside(contacts, time) && "the force sensor", alarms && inside(alarms, time) && estimate];
+    const most = largest?.[alarms?.findIndex(([from, to]) => from <= time && time <= to)];
+    const itsMost = most ? `, largest force ${withMinus(most[0], READ_DIGITS)} ± ${withMinus(most[1], READ_DIGITS)}\u00a0N` : "";
+    const finders = [contacts && inside(contacts, time) && "the force sensor", alarms && inside(alarms, time) && estimate + itsMost];
     const found = finders.filter(Boolean).join(" and by "), isSearched = contacts || alarms;
     const what = !now ? "a gap in the recording" : found ? `${free ? "false alarm" : "contact"} by ${found}` : isSearched && "no contact found";
+    const mayHide = hidden ? `; one of up to ${list(hidden)}\u00a0N could be hidden` : "";
     const band = std ? `, 95 % ± ${list(std, BAND95)}` : "", told = {
-      time: `At ${time.toFixed(2)} s${what ? `: ${what}` : ""}.`,
-      force: force && (std && isShut ? "no contact found" : `${list(force)}${band}\u00a0N`),
+      time: `At ${time.toFixed(2)} s${what ? `: ${what}` : ""}${link ? `, probably on link ${link}` : ""}.`,
+      force: force && (std && isShut ? `no contact found${mayHide}` : `${list(force)}${band}\u00a0N`),
       sensed: sensed && `${list(sensed)}\u00a0N`,
       torque: torque && `${list(torque)}\u00a0Nm`,
     };

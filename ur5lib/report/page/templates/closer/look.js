@@ -119,10 +119,13 @@ function offer(figure) {
     (open ? look.plots : button).focus({ preventScroll: true });
     figure.scrollIntoView({ block: "nearest" });
   };
-  const follow = async () => { // a link to the figure: to its worst second
-    if (location.hash !== `#${figure.id}`) return;
-    const { stretch, arm } = await show(true);
-    if (arm) stretch.point(arm.scene.worst());
+  const follow = async () => { // a link to the figure: to the second after "@", or its worst one
+    const [id, second] = location.hash.slice(1).split("@");
+    if (id !== figure.id) return;
+    for (let fold = figure.closest("details"); fold; fold = fold.parentElement.closest("details")) fold.open = true;
+    const { stretch, arm } = await show(true), time = second ? Number(second) : arm?.scene.worst();
+    if (time < stretch.from || time > stretch.to) stretch.show(stretch.first, stretch.last);
+    if (time !== undefined) stretch.point(time);
     figure.scrollIntoView({ block: "nearest" });
   };
   window.addEventListener("hashchange", follow);

@@ -16,7 +16,8 @@ class Scene {
   constructor(packed) {
     Object.assign(this, packed);
     const unpackedColumns = (columns) => columns && columns.map((column) => values(column, NaN));
-    for (const name of ["q", "torque", "force", "std", "sensed"]) this[name] = unpackedColumns(packed[name]);
+    for (const name of ["q", "torque", "force", "std", "hidden", "sensed"]) this[name] = unpackedColumns(packed[name]);
+    this.link = packed.link && values(packed.link, NaN);
     [this.times, this.segment] = [packed.time, packed.segment].map((column) => values(column, NaN));
     this.rows = [...this.times.keys()];
     this.path = this.rows.flatMap((row) => this.originsIn(row)).filter(([x]) => !Number.isNaN(x));
@@ -47,10 +48,11 @@ class Scene {
     const share = Math.min(Math.max((time - times[before]) / (times[next] - times[before]), 0), 1) || 0;
     if (segment[before] !== segment[next] && share > 0 && share < 1) return null;
     const between = (columns) => columns && columns.map((column) => column[before] + share * (column[next] - column[before]));
-    const [q, torque, force, std, sensed] = [this.q, this.torque, this.force, this.std, this.sensed].map(between);
+    const [q, torque, force, std, hidden, sensed] = [this.q, this.torque, this.force, this.std, this.hidden, this.sensed].map(between);
     const isShut = Boolean(force) && Math.max(...force.map(Math.abs)) < 0.005; // N: it is zero where no contact is found
     const perNewton = (LONGEST * this.reach) / Math.max(this.usual, this.length(force, std, sensed)); // m; less for the longest
-    return { ...this.posture(q), torque, force, std, sensed, isShut, perNewton };
+    const link = this.link?.[next]; // that is touched before the last one, if any
+    return { ...this.posture(q), torque, force, std, hidden, sensed, link, isShut, perNewton };
   }
 
   // Of the longer arrow, that of the estimate with its ellipse [N].
