@@ -1,5 +1,6 @@
 """The command-line interface `ur5`."""
 
+import errno
 import os
 import re
 import shlex
@@ -9,7 +10,7 @@ from inspect import cleandoc
 from itertools import chain, takewhile
 from operator import itemgetter
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NoReturn
 
 import typer
 
@@ -24,7 +25,7 @@ from ur5lib.commands.arguments import (
     print_lines,
 )
 from ur5lib.commands.interrupts import signals_interrupt
-from ur5lib.errors import InputError, printable, unknown
+from ur5lib.errors import InputError, fault_of_ours, printable, unknown
 from ur5lib.study.address import results_folder, study_file
 from ur5lib.workspace.beside import commands_beside
 from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
@@ -38,6 +39,7 @@ ArmName = Annotated[str, typer.Option(help="name of an arm in ur5lib/robots, e.g
 EXPORTS = [*modules_of_topics("exports").values()]
 EXPORTED = ["urdf", "mjcf", "sdf", "isaac", "json", "sensor"]
 EXPORTED += [name for topic in EXPORTS for name in topic.FORMATS]
+EXPORTED += [name for topic in EXPORTS for name in vars(topic).get("FOLDERS", ())]
 OTHERWISE = {  # former options of commands, with the present ones
     "import": {"--write": "--output"},
     "excite": {"--write": "--output"},
@@ -46,6 +48,8 @@ OTHERWISE = {  # former options of commands, with the present ones
     "fetch": {"--to": "--output"},
     "compare": {"--junit": "--output"},
 }
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}  # a disk, or what the output goes to
+NO_MEMORY = "failed to map segment"  # of a package's library
 KEPT = {  # printed after Ctrl-C; files are renamed when complete, so that none is half written
     "run": "the steps that are done are kept, and the same command goes on",
     "fetch": "the files that are complete are kept, and the same command fetches the others",
@@ -271,15 +275,29 @@ def run(
 
 @app.command(rich_help_panel="Start")
 def report(
-    results: Results,
+    studies: Annotated[
+        list[Path],
+        typer.Argument(parser=results_folder, metavar="STUDY", help=f"{STUDY_HELP}, or several"),
+    ],
     open_report: Annotated[bool, typer.Option("--open", help="show it in the browser")] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="page of several; default: results/studies.html"),
+    ] = None,
 ) -> None:
     """Print the states of a study's cards and the file of its report, or show it.
 
-    Example: ur5 report mine --open
+    Of several studies, as results/*, write one page: their verdicts by study, arm and date, and
+    what changed. Example: ur5 report mine --open
     """
+    if len(studies) > 1:
+        from ur5lib.commands.several import write_several
+
+        _show(write_several(studies, output or studies[0].parent / "studies.html"), open_report)
+        return
     from ur5lib.commands.verdicts import card_states, lines
 
+    (results,) = studies
     file = results / "report.html"
     if not file.is_file():
         raise InputError(f"{file} does not exist; build it: ur5 run {results.name}")
@@ -376,6 +394,10 @@ def import_(
     prefix: Annotated[
         str, typer.Option(help="what the names of the arm's joints begin with, as left_")
     ] = "",
+    sensor: Annotated[
+        Path | None,
+        typer.Option("--with", help="file of the force sensor, on its own clock"),
+    ] = None,
     everything: Annotated[
         bool, typer.Option("--all", help="list the evidence for each column, too")
     ] = False,
@@ -409,7 +431,7 @@ def import_(
     if output is not None:
         expect_new(output)  # before the files are read
     imported = imported_files(
-        files, user_statement(robot, columns, rate, unit or [], joints, prefix)
+        files, user_statement(robot, columns, rate, unit or [], joints, prefix, sensor)
     )
     if study := output or add:
         last_line = f"{study} written; next: ur5 check {study}"
@@ -472,7 +494,8 @@ def export(
         ),
     ] = "",
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="file to write; default: print it")
+        Path | None,
+        typer.Option("--output", "-o", help="file, or folder, to write; default: print it"),
     ] = None,
 ) -> None:
     """Print an arm for other programs, as a model or as numbers.
@@ -480,8 +503,12 @@ def export(
     json: all known parameters; sensor: bias and tool of its force sensor.
     Example: ur5 export --robot ur5e --format mjcf -o ur5e.xml
     """
-    from ur5lib.commands.exported import exported
+    from ur5lib.commands.exported import FOLDERS, exported, write_folder
 
+    if format in FOLDERS and output is not None:
+        write_folder(format, robot, results, as_in, accept, output)
+        typer.echo(f"{output} written")
+        return
     asked = robot, model, format, results, as_in, ros_names, accept
     if output is None:
         typer.echo(exported(*asked))
@@ -581,18 +608,49 @@ for command in app.registered_commands:
 
 
 def main() -> None:
-    """Run the command; an error that a user can correct is one sentence, with exit status 1."""
+    """Run the command; an error is one sentence, with exit status 1."""
+    try:
+        _run()
+    except Exception as error:
+        _end(_sentence_of(error), error)
+
+
+def _sentence_of(error: Exception) -> str:
+    if isinstance(error, InputError):
+        return str(error)
+    if isinstance(error, OSError) and error.filename is not None:
+        name = printable(str(error.filename))
+        return f"{name} cannot be used ({error.strerror}); check its name and the permissions"
+    if isinstance(error, OSError) and error.errno in FULL:
+        return f"no room to write to ({error.strerror}); free some, or send the output elsewhere"
+    if _is_of_memory(error):
+        return "the memory is full; end other programs, or use fewer or shorter recordings"
+    return str(fault_of_ours(error))
+
+
+def _run() -> None:
+    """Run the command, and write its output to the end. Raises InputError without an output."""
+    if sys.stdout is None:  # the first opened file would be taken for it
+        raise InputError("the output is closed; send it to a file, or to /dev/null")
     try:
         app()
-    except InputError as error:
-        typer.echo(f"ur5: {error}", err=True)
-        raise SystemExit(1) from error
-    except OSError as error:
-        if error.filename is None:
-            raise
-        typer.echo(
-            f"ur5: {printable(str(error.filename))} cannot be used ({error.strerror}); check its "
-            "name and the permissions",
-            err=True,
-        )
-        raise SystemExit(1) from error
+    finally:
+        sys.stdout.flush()
+
+
+def _is_of_memory(error: BaseException | None) -> bool:
+    """Return whether an error, or what caused it, is a lack of memory, also that of a package that
+    cannot be loaded.
+    """
+    if error is None or isinstance(error, MemoryError):
+        return error is not None
+    return NO_MEMORY in str(error) or _is_of_memory(error.__cause__ or error.__context__)
+
+
+def _end(sentence: str, error: BaseException) -> NoReturn:
+    try:
+        sys.stdout.flush()
+    except (AttributeError, OSError):  # else the rest is tried again at the exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    typer.echo(f"ur5: {sentence}", err=True)
+    raise SystemExit(1) from error

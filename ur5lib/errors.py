@@ -1,13 +1,16 @@
 """Errors that a user can correct, and remarks about doubtful results."""
 
+import traceback
 import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from os import PathLike
+from pathlib import Path
 
 OVERRULED_BY = "; if the study is right, "  # between a stop sign and the line that overrules it
 SEPARATOR_CATEGORIES = {"Zl", "Zp"}  # "C…" has controls, marks of direction, surrogates
+_OWN_CODE = Path(__file__).parent
 _LINES = {"\n", "\t"}  # allowed in texts, but not in names
 
 
@@ -26,6 +29,27 @@ class InputError(Exception):
     def __str__(self) -> str:
         """Return the message as a terminal may print it."""
         return printable(super().__str__())
+
+
+def fault_of_ours(error: Exception) -> InputError:
+    """Return an exception that no input should cause as an error with its place in this package."""
+    places = traceback.extract_tb(error.__traceback__)
+    own = [place for place in places if Path(place.filename).is_relative_to(_OWN_CODE)]
+    place = own[-1] if own else None
+    where = f"{Path(place.filename).relative_to(_OWN_CODE.parent)}:{place.lineno}" if place else ""
+    said = f"{type(error).__name__}: {error}".splitlines()[0]
+    return InputError(
+        f"a fault of ours, in {where or 'ur5lib'}, not of what you gave ({said:.200}); "
+        "report it, with the file if you may"
+    )
+
+
+class RecordingWarning(UserWarning):
+    """A recording lacks what is needed for an answer, which has a gap there.
+
+    >>> issubclass(ur5lib.RecordingWarning, UserWarning)
+    True
+    """
 
 
 class UnreadableError(InputError):
@@ -92,7 +116,7 @@ def unknown(kind: str, name: object, known: Iterable[str]) -> InputError:
     """Return the error for a name not in `known`; kind: of the named thing, such as a recording."""
     names = [*known]
     return InputError(
-        f"unknown {kind} {name!r:.80}{perhaps(name, names)}; available: {', '.join(names)}"
+        f"unknown {kind} {briefly(name)}{perhaps(name, names)}; available: {', '.join(names)}"
     )
 
 
@@ -106,11 +130,17 @@ def expect_known(kind: str, name: object, known: Iterable[str]) -> str:
     raise unknown(kind, name, names)
 
 
+def briefly(given: object) -> str:
+    """Return a value as a message shows it: on a line, an array or a frame by its shape."""
+    shape = getattr(given, "shape", ())
+    return f"{type(given).__name__} {shape}" if shape else " ".join(f"{given!r:.80}".split())
+
+
 def expect_text(given: object, what: str) -> str:
     """Return a name or a path as text. Raises InputError for other types and empty texts."""
     text = str(given) if isinstance(given, str | PathLike) else ""
     if not text or "\0" in text:
-        raise InputError(f"{given!r:.80} names no {what}; give its name, as text")
+        raise InputError(f"{briefly(given)} names no {what}; give its name, as text")
     return text
 
 

@@ -10,9 +10,9 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 
-from ur5lib.commands.exported import motor_torque
 from ur5lib.errors import InputError
 from ur5lib.finished import StudyFiles
+from ur5lib.identification.currents import motor_torque
 from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction

@@ -2,6 +2,7 @@
 
 import os
 import re
+import subprocess
 import sys
 from pathlib import Path
 from typing import Literal, get_args, get_origin, get_type_hints
@@ -285,3 +286,46 @@ def test_a_damaged_result_is_told_in_a_sentence(
     assert answer.status == 1
     assert answer.err.startswith(f"ur5: {path} is damaged")
     assert answer.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("redirected", "sentence"),
+    [(">/dev/full", "no room to write to (No space left on device)"), (">&-", "output is closed")],
+)
+@pytest.mark.parametrize("command", ["--version", "settings", "check config.yaml"])
+def test_a_full_or_closed_output_is_told_in_a_sentence(
+    command: str, redirected: str, sentence: str
+) -> None:
+    main = "-c 'from ur5lib.cli import main; main()'"
+    line = f"{sys.executable} {main} {command} {redirected}"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, cwd=PROJECT)
+    assert done.returncode == 1
+    assert done.stderr.startswith("ur5: ")
+    assert sentence in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+LITTLE = """
+import resource, sys
+from ur5lib import cli
+pages = int(open("/proc/self/statm").read().split()[0])
+resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + 20_000_000,) * 2)
+sys.argv = ["ur5", "check", "config.yaml"]
+cli.main()
+"""
+
+
+def test_a_lack_of_memory_is_told_in_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a package that cannot be loaded, too."""
+    done = subprocess.run(
+        [sys.executable, "-c", LITTLE], capture_output=True, text=True, cwd=PROJECT
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("ur5: the memory is full; ")
+
+    def lack(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(cli, "app", lack)
+    with pytest.raises(SystemExit, match="1"):
+        cli.main()

@@ -66,7 +66,7 @@ def test_states_of_cards_are_a_line_each(results: Path) -> None:
     )
     assert [*lines(card_states(results), "mine")] == [
         f"force: do not use. {reason_in_words('blind')}",
-        "constants: good",
+        "constants: copy it",
     ]
 
 
@@ -81,13 +81,13 @@ def test_each_of_several_arms_has_its_line_and_its_words(results: Path) -> None:
     )
     constants, gains, force = lines(card_states(results), "mine")
     assert constants.startswith("constants of ur5: do not use. The torque constant contradicts")
-    assert gains.startswith("constants of kuka-kr300: usable. The gain is farther")
-    assert force == f"force: not determined. {reason_in_words('no_sensor')}"
+    assert gains.startswith("constants of kuka-kr300: with this doubt. The gain is farther")
+    assert force == f"force: not known. {reason_in_words('no_sensor')}"
 
 
 def test_status_and_report_print_the_states(results: Path, run_ur5: Command) -> None:
     judged(results, verdict("force", "usable", "", reason="wide_interval"))
-    line = f"force: usable. {reason_in_words('wide_interval')}"
+    line = f"force: with this doubt. {reason_in_words('wide_interval')}"
     report, states, rest = run_ur5("status", "mine").out.splitlines()
     assert report.startswith("report: results/mine/report.html, written ")
     assert (states, rest) == (line, "nothing to be done")

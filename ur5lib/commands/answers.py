@@ -9,6 +9,7 @@ import pandas as pd
 
 from ur5lib.errors import InputError
 from ur5lib.finished import StudyFiles
+from ur5lib.records.codes import Found
 from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
 from ur5lib.workspace.topics import modules_of_topics
@@ -21,8 +22,11 @@ def payload_answers(study: Path) -> Iterator[str]:
 
     Raises InputError where the study was not run.
     """
+    quality = finished_study(study).table("quality")
+    changes = quality[quality["code"] == Found.LOAD_CHANGES].set_index("recording")["detail"]
     for name, loads, sensed in _payloads(study):
-        yield f"{name}: {'; '.join(_carried(loads, sensed))}"
+        held = [f"held in it: {changes[name]}"] if name in changes else []
+        yield f"{name}: {'; '.join([*_carried(loads, sensed), *held])}"
 
 
 def payload_numbers(study: Path) -> list[dict[str, Any]]:

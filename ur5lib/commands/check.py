@@ -224,7 +224,8 @@ def look_through(
     load = carried(declared, signals)
     cutoffs = study.settings.lowpass.cutoffs_hz()
     cutoff = cutoffs["currents"]
-    checked = Checked(intake.robot, arm, load.configured, load.payload, fitted, cutoff)
+    touched = recording.role == "contact"
+    checked = Checked(intake.robot, arm, load.configured, load.payload, fitted, cutoff, touched)
     doubts = disagreements(declared, tool.tcp if tool else None, signals)
     if not fitted:  # in a run, `slower_than_fit` decides whether it matters
         doubts += slow_samples(signals.actual_q, signals.segment, checked.step, cutoff)
@@ -234,7 +235,7 @@ def look_through(
             own = intake.sensors["force"], intake.quality.starts["force"]
             doubts += touched_by_own_clock(recording.untouched, *own)
     sensor = intake.sensors.get("force", intake.robot if "ft_fx" in intake.robot else None)
-    if recording.role != "contact" and sensor is not None:
+    if not touched and sensor is not None:
         doubts += sensed_contacts(sensor, load.mass)
     sensed, accepted = sensor is not None, recording.accepted()
     found = contradictions(checked, doubts, sensed, cutoffs, accepted, only_stops)

@@ -1,11 +1,14 @@
-"""Work on many recordings in several processes at once."""
+"""Work on many recordings in several processes at once, which end with their parent."""
 
+import multiprocessing
 import os
 import signal
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from threading import Thread
 from typing import TypeVar
 
 from ur5lib.errors import InputError
@@ -15,6 +18,7 @@ Item = TypeVar("Item")
 Answer = TypeVar("Answer")
 
 MAX_PROCESSES = 4  # limits memory, since each process loads a recording
+GRACE = 2.0  # s; for a process to end by itself after its parent has ended
 MIN_ITEMS = 4  # for each process, since its start takes a while
 
 
@@ -42,6 +46,22 @@ def side_by_side(
         processes.shutdown(cancel_futures=True)
 
 
+def end_with_parent() -> None:
+    """End this process, which `multiprocessing` made, GRACE s after its parent has ended, even if
+    that was killed before.
+    """
+    if (parent := multiprocessing.parent_process()) is None:
+        return
+
+    def end() -> None:
+        parent.join()
+        time.sleep(GRACE)
+        os._exit(1)
+
+    Thread(target=end, daemon=True).start()
+
+
 def _start() -> None:
+    end_with_parent()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process handles Ctrl-C
     take_up_all()

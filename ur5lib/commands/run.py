@@ -18,8 +18,10 @@ if TYPE_CHECKING:
 from ur5lib.commands.console import text_console
 from ur5lib.commands.interrupts import signals_interrupt
 from ur5lib.commands.listed import written
-from ur5lib.errors import InputError, printable
+from ur5lib.errors import InputError, expect_text, printable
+from ur5lib.finished import FinishedStudy
 from ur5lib.jobs.unreadable import unreadable
+from ur5lib.study.address import results_folder, study_file
 from ur5lib.study.reading import read_study
 from ur5lib.study.turn import running
 from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
@@ -42,6 +44,21 @@ USUAL = re.compile(
 )
 SECONDS_BETWEEN_LINES = 60.0
 Report = Callable[[int, int], None]  # takes the numbers of finished and of all steps
+
+
+def run(study: str | Path, *, quiet: bool = False) -> FinishedStudy:
+    """Build a study as `ur5 run` does, what is new or has changed, and return its results.
+
+    study: its name, as `mine`, or its YAML file; quiet: show no progress. Raises InputError where
+    the study is wrong, or a step fails.
+
+        >>> ur5lib.run("mine.yaml").recordings
+        ['pushed']
+    """
+    file = study_file(expect_text(study, "study"))
+    results = results_folder(str(file))
+    build(file, results, [], verbose=False, quiet=quiet)
+    return FinishedStudy(results)
 
 
 def build(

@@ -5,10 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import printable
 from ur5lib.finished import StudyFiles
-from ur5lib.records.verdicts import reason_in_words
+from ur5lib.records.phrases import number
+from ur5lib.records.verdicts import STATES, reason_in_words
 
 
 @dataclass(frozen=True)
@@ -16,7 +19,7 @@ class CardState:
     """The state of a card of the report: how well one question is answered.
 
     question: as in verdicts.csv; arm: "" for all arms; reason: the code of why the state is not
-    better; why: the same in words.
+    better; why: the same in words; number: with its label and unit, "" without one.
     """
 
     question: str
@@ -24,11 +27,13 @@ class CardState:
     state: str
     reason: str
     why: str
+    number: str = ""
 
     def line(self, with_arm: bool = False) -> str:
         """Return the state as a line."""
         of = f" of {self.arm}" if with_arm and self.arm else ""
-        return printable(f"{self.question}{of}: {self.state}{self.why and f'. {self.why}'}")
+        parts = [STATES.get(self.state, self.state), self.number, self.why]  # type: ignore[call-overload]
+        return printable(f"{self.question}{of}: {'. '.join(filter(None, parts))}")
 
 
 def card_states(results: Path) -> list[CardState] | None:
@@ -65,4 +70,15 @@ def measured(study: StudyFiles, arm: str) -> Effort:
 
 def _card_state(study: StudyFiles, row: Any) -> CardState:
     why = reason_in_words(row.reason, measured(study, row.arm)) if row.reason else ""
-    return CardState(row.question, row.arm, row.state, row.reason, why)
+    return CardState(row.question, row.arm, row.state, row.reason, why, in_words(row))
+
+
+def in_words(row: Any) -> str:
+    """Return the number of a verdict with its label and unit, "" without one."""
+    if pd.notna(row.count):
+        whole = "" if pd.isna(row.of) else f" of {row.of:.0f}"
+        return f"{row.count:.0f}{whole} {row.quantity}"
+    if pd.isna(row.value):
+        return ""
+    unit = f" {row.unit}" if isinstance(row.unit, str) else ""
+    return f"{row.quantity}: {number(row.value, '.3g')}{unit}"

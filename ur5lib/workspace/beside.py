@@ -5,10 +5,13 @@ In a clone, installed or not, pyproject.toml itself is read. A deleted package h
 
 import tomllib
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from importlib.metadata import distribution, requires
 from pkgutil import resolve_name
+from shlex import join
 from typing import Any, NamedTuple
 
+from ur5lib.errors import InputError
 from ur5lib.workspace.places import IN_CLONE, PACKAGE, WORKFLOW
 
 GROUP = "ur5lib.commands"
@@ -52,6 +55,18 @@ def extra(name: str) -> list[str]:
         return list(_project()["optional-dependencies"][name])
     pairs = (line.split(";") for line in requires("ur5lib") or [])
     return [package.strip() for package, *of in pairs if of == [f" extra == '{name}'"]]
+
+
+def of_extra(name: str, module: str, purpose: str) -> Any:
+    """Return a module that an extra installs; purpose: for the message. Raises InputError where it
+    is not installed.
+    """
+    try:
+        return import_module(module)
+    except ImportError as error:
+        raise InputError(
+            f"{purpose} needs the extra `{name}`; install it: pip install {join(extra(name))}"
+        ) from error
 
 
 def _project() -> dict[str, Any]:
