@@ -16,6 +16,7 @@ import yaml
 
 from benchmarks.harness.markdown import markdown, read_page, replaced, write_page
 from benchmarks.harness.options import built, study_options
+from ur5lib.force.residual_model import few_paths
 from ur5lib.records.friction import Friction
 from ur5lib.tables import read_csv, read_record
 
@@ -23,6 +24,7 @@ RESULTS_FOLDER = Path("results")
 PROJECT = Path(__file__).parents[1]
 PAGE, TITLE = PROJECT / "docs" / "expect.md", "By arm"  # of the section
 STUDIES = ["demo", "thesis", "ur10e", "ur3-cb", "ur10-bag", "kuka-kr300"]
+PATHS_TITLE, PATHS = "By number of paths", (1, 2, 3, 5, 10)
 CONTACT_N = 5  # force at the sensor from which on contacts are counted
 
 
@@ -68,7 +70,16 @@ def main() -> None:
     found = markdown(HEADS, rows)
     print(found)
     if given.page:
-        write_page(replaced(read_page(PAGE), TITLE, found), PAGE)
+        page = replaced(read_page(PAGE), TITLE, found)
+        write_page(replaced(page, PATHS_TITLE, by_paths()), PAGE)
+
+
+def by_paths() -> str:
+    """Return the factor by which few paths widen a force's band, by their number."""
+    factors = [f"{few_paths(paths):.1f}" for paths in PATHS]
+    return markdown(
+        ["paths of the fit", *map(str, PATHS)], [["a force's band is wider by", *factors]]
+    )
 
 
 def rows_of(folder: Path) -> Iterator[Row]:

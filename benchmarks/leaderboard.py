@@ -16,7 +16,7 @@ from pathlib import Path
 
 from benchmarks.harness import page
 from benchmarks.harness.latency_figure import error_over_latency
-from benchmarks.harness.markdown import read_page, write_page
+from benchmarks.harness.markdown import read_page, wrapped, write_page
 from benchmarks.harness.options import built, study_options
 from benchmarks.harness.sections import detection_tables, simulated_section
 from ur5lib.errors import InputError
@@ -54,7 +54,7 @@ def main() -> None:
         simulated = simulated_section(RESULTS_FOLDER / "simulated_contacts.csv")
         further = {"simulated": simulated, "detections": detection_tables(folders)}
         text, names = page.page(table, arms, further), [*table["estimator"].unique()]
-        text = page.with_kept(text, read_page(PAGE), simulated is not None, names)
+        text = wrapped(page.with_kept(text, read_page(PAGE), simulated is not None, names))
         place = BESIDE if given.estimator or OWN else PAGE
         write_page(
             re.sub(r"\]\((?=\w+\.md)", "](../docs/", text) if place == BESIDE else text, place

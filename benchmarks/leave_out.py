@@ -37,7 +37,7 @@ from ur5lib.force.residual_model import Residuals
 from ur5lib.force.smallest_pushes import FELT_SIZE, by_motion, detectable
 from ur5lib.force.thresholds import alarms
 from ur5lib.force.trial_contacts import Trials
-from ur5lib.identification.current_samples import ZeroPhaseLowpass, current_record
+from ur5lib.identification.current_samples import FitSettings, ZeroPhaseLowpass, current_record
 from ur5lib.identification.currents import torque_constants
 from ur5lib.identification.payload import PayloadEstimate
 from ur5lib.identification.samples import (
@@ -246,7 +246,7 @@ class Fold:
             recordings={own.name: own.opened() for own in self.fitted},
             postures={},
             dates={own.name: own.day for own in self.fitted},
-            lowpass=self.study.lowpass,
+            fit_settings=FitSettings(self.study.lowpass),
         )
         write_json(friction, self.shared("friction.json"))
         for own in [*self.fitted, *tested]:
@@ -267,6 +267,7 @@ class Fold:
         threshold = set_threshold(
             forces={own.name: Forces.read(self.own(own, "forces.parquet")) for own in self.fitted},
             signals=self.of_fitted(Signals, "signals.parquet"),
+            residuals=read_record(Residuals, self.shared("residuals.json")),
             arm=self.arm,
             false_alarms_per_min=self.study.settings.alarms.false_per_min,
             further=self.of_fitted(FurtherForces, "published_forces.parquet")
@@ -283,6 +284,9 @@ class Fold:
                 own.name: Currents.read(self.own(own, "currents.parquet")) for own in self.fitted
             },
             motion=self.of_fitted(Motion, "motion.parquet"),
+            kinematics=self.of_fitted(Kinematics, "kinematics.parquet"),
+            arm=self.arm,
+            contact_force_n=self.study.settings.contact.force_n,
             cutoff_hz=self.study.lowpass.cutoff,
         )
         write_json(residuals, self.shared("residuals.json"))

@@ -15,7 +15,7 @@ from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from benchmarks.harness import series_pictures as series
 from benchmarks.harness import table_pictures as tables
@@ -24,7 +24,7 @@ from benchmarks.harness.options import built, options_of
 from benchmarks.harness.rules import with_evidence, with_rules
 from ur5lib.errors import InputError
 from ur5lib.jobs import files
-from ur5lib.records.verdicts import State, reason_in_words
+from ur5lib.records.verdicts import STATES, reason_in_words
 from ur5lib.report.figures.house_style import Drawing, save
 from ur5lib.report.page.handed import handed_over
 from ur5lib.report.page.typeset import said
@@ -80,6 +80,7 @@ DRAWN: dict[str, tuple[str, Callable[[Path], Drawing]]] = {  # by picture: study
     "pushes_by_direction": ("demo", tables.pushes_by_direction),
     "share_found": ("demo", tables.share_found),
     "thesis_errors": ("thesis", lambda of: tables.by_axis(of, tables.ESTIMATES)),
+    "touched_links": ("demo", tables.touched_links),
     "truths": ("demo", tables.truths),
     "next_recordings": ("demo", tables.worth_of_next),
     "led_by_hand": ("ur5e-demonstrations", tables.constants),
@@ -230,13 +231,15 @@ def card(own: dict[str, Any], results: Results) -> Card:
     first = rows[rows["rank"] == rows["rank"].min()]
     deciding = first[first["arm"].isna() if own["arm"] is None else first["arm"] == own["arm"]]
     number = "" if own["number"] == "–" else f"{own['number']} {own['unit'] or ''}".strip()
-    why = reason_in_words(deciding["reason"].iloc[0], results.effort)
-    return Card(own["title"], own["state"] or "", number.replace("\u00a0", " "), why)
+    # a card of measured numbers alone is judged by none
+    why = "" if deciding.empty else reason_in_words(deciding["reason"].iloc[0], results.effort)
+    state = STATES[own["state"]] if own["state"] else ""
+    return Card(own["title"], state, number.replace("\u00a0", " "), why)
 
 
 def states(cards: list[Card]) -> str:
     """Return a table of the states that cards have, with their titles."""
-    titles = {one: [own.title for own in cards if own.state == one] for one in get_args(State)}
+    titles = {one: [own.title for own in cards if own.state == one] for one in STATES.values()}
     rows = [[state, ", ".join(having)] for state, having in titles.items() if having]
     return markdown(["state", "cards"], rows)
 

@@ -3,12 +3,15 @@
 import csv
 import io
 import re
+import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import pandas as pd
 
 from ur5lib.tables import write_text
+
+WIDTH = 140  # of a line of prose
 
 
 def markdown(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -47,6 +50,22 @@ def write_page(text: str, page: Path) -> None:
         return f"[The numbers](data/{fold[1]}.csv)"
 
     write_text(FOLD.sub(link, text), page)
+
+
+def wrapped(text: str) -> str:
+    """Return a page with its long lines of prose broken at WIDTH."""
+    lines = []
+    for line in text.split("\n"):
+        prose = not line.startswith(("|", "!", "#", " "))
+        lines += _broken(line) if prose and len(line) > WIDTH else [line]
+    return "\n".join(lines)
+
+
+def _broken(line: str) -> list[str]:
+    indent = "  " if line.startswith("- ") else ""
+    return textwrap.wrap(
+        line, WIDTH, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False
+    )
 
 
 def cells_of(table: str) -> list[list[str]]:

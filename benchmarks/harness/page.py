@@ -22,7 +22,11 @@ FIGURES = {  # of the sentences: component and figure, with its name
     ("norm", "score"): "interval score in contact",
 }
 
-OF_OTHER_COMMANDS = "Torque from motion", "Friction beside published values"  # titles of sections
+OF_OTHER_COMMANDS = (  # titles of sections
+    "Torque from motion",
+    "Currents from motion alone",
+    "Friction beside published values",
+)
 SIMULATED = "Simulated arms"  # title of the section that `simulated_contacts` measures
 ABSENT = "Estimators of the tables above that did not run on all of these seeds:"
 
@@ -74,7 +78,8 @@ def with_kept(new: str, old: str, measured: bool, estimators: Sequence[str]) -> 
     if not measured and section(old, SIMULATED):
         new = new.replace(section(new, SIMULATED), section(old, SIMULATED))
     simulated = section(new, SIMULATED)
-    shown = "\n".join(line for line in simulated.splitlines() if not line.startswith(ABSENT))
+    parts = [part for part in simulated.split("\n\n") if not part.startswith(ABSENT)]
+    shown = "\n\n".join(parts)
     missing = [own for own in estimators if f"| {own} |" not in simulated]
     if missing and "|" in simulated:
         shown = f"{shown.rstrip()}\n\n{ABSENT} {'; '.join(missing)}."

@@ -9,7 +9,7 @@ from benchmarks.harness.markdown import markdown, replaced
 from ur5lib.importing.evidence import SOURCES
 from ur5lib.judging import limits
 from ur5lib.judging.constants import REASONS_BY_GRAVITY
-from ur5lib.records.verdicts import REASONS, Reason, State, reason_in_words
+from ur5lib.records.verdicts import REASONS, STATES, Reason, State, reason_in_words
 from ur5lib.topics.health.changes import MIN_DATES
 
 WORDS = Path(__file__).parents[2] / "ur5lib/report/page/kit/words.typ"
@@ -35,7 +35,7 @@ def percent(share: float) -> str:
 
 HALF = percent(1 - limits.MIN_GOOD_SKILL)
 NO_ERROR, NO_TORQUE = limits.MIN_DIFFERENCE, limits.MIN_LINK_TORQUE
-OTHER_CONSTANTS = [one for one in REASONS_BY_GRAVITY if one != "unlikely"]
+OTHER_CONSTANTS = [one for one in REASONS_BY_GRAVITY if one not in ("unlikely", "touched")]
 RULES = [
     Rule("do not use", "recordings, constants, force", "a stop sign", ["stopped"]),
     Rule("do not use", f"{ERRORS}, force, bands", "error ≥ that of zero", ["worse_than_zero"]),
@@ -45,7 +45,7 @@ RULES = [
         f"the 95 % bands contain < {percent(limits.MIN_USABLE_COVERAGE)} of the readings, mean",
         ["undercovers"],
     ),
-    Rule("do not use", "constants", "a joint has this reason", ["unlikely"]),
+    Rule("do not use", "constants", "a joint has this reason", ["unlikely", "touched"]),
     Rule("not determined", f"{ERRORS}, force", "nothing to judge by", NOTHING),
     Rule(
         "not determined",
@@ -121,7 +121,7 @@ RULES = [
 
 def with_rules(page: str) -> str:
     """Return the report's page with its rules and reasons as the code has them."""
-    rows = [[one.state, one.questions, one.when, codes(one.reasons)] for one in RULES]
+    rows = [[STATES[one.state], one.questions, one.when, codes(one.reasons)] for one in RULES]
     rules = markdown(["state", "questions", "when", "reason"], rows)
     short = short_words()
     meant = [[f"`{code}`", short[code], reason_in_words(code)] for code in REASONS]

@@ -16,10 +16,13 @@ from ur5lib.identification.estimation import physical_values
 from ur5lib.identification.steady_friction import steady_columns
 from ur5lib.records.friction import Friction
 from ur5lib.report.figures.house_style import BAND_STYLE, JOINT_COLOURS, Drawing, house_style
+from ur5lib.robots.description import described
+from ur5lib.robots.statics import link_frames
 from ur5lib.tables import read_csv, read_record
 from ur5lib.timeseries.metrics import NORMAL95
 
 BLUE, ORANGE, GREEN, PINK = JOINT_COLOURS[:4]
+COLOURS = BLUE, ORANGE, GREEN
 GREY = "#777777"
 MOTIONS = {"at rest": ORANGE, "slow": GREEN, "fast": BLUE}  # of pushes
 AXES = {"x": BLUE, "y": ORANGE, "z": GREEN}
@@ -171,6 +174,31 @@ def friction_terms(folder: Path, joint: int = 3) -> Drawing:
         axis.set(xlabel=f"velocity of joint {joint} [rad/s]", ylabel="friction [Nm]")
         axis.legend(frameon=False)
     return Drawing(figure, pd.DataFrame({"velocity [rad/s]": qd, "sum [Nm]": parts.sum(axis=1)}))
+
+
+def touched_links(folder: Path, force: float = 30.0) -> Drawing:
+    """Draw the torques of the joints by a force at the flange, the forearm's middle, and the elbow
+    of a UR5, along the diagonal of x, −y and −z.
+    """
+    arm, q = described("ur5"), np.deg2rad([[0.0, -60.0, 80.0, -110.0, -90.0, 0.0]])
+    rotation, (origin,) = link_frames(arm, q)
+    places = {"flange": (origin[-1], 6), "forearm": ((origin[2] + origin[3]) / 2, 3)}
+    places |= {"elbow": (origin[2], 2)}
+    rows, pushed = [], force * np.array([1.0, -1.0, -1.0]) / np.sqrt(3)
+    for place, link in places.values():
+        # τ_j = z_j · (r_j × F), of the joints before the contact
+        arms = np.cross(place - origin[:link], pushed)
+        torque = np.zeros(6)
+        torque[:link] = (rotation[0, :link, :, 2] * arms).sum(axis=1)
+        rows.append(torque)
+    with house_style(2.4) as (figure, ((axis,),)):
+        for k, (name, torque) in enumerate(zip(places, rows, strict=True)):
+            axis.bar(np.arange(1, 7) + 0.25 * (k - 1), torque, 0.22, label=name, color=COLOURS[k])
+        axis.axhline(0, color="black", linewidth=0.6)
+        axis.set(xlabel="joint", ylabel=f"torque by {force:.0f} N [Nm]")
+        axis.legend(frameon=False)
+    table = pd.DataFrame(np.transpose(rows), columns=[f"{name} [Nm]" for name in places])
+    return Drawing(figure, table.rename_axis("joint").reset_index())
 
 
 def truths(folder: Path) -> Drawing:
