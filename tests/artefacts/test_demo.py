@@ -12,6 +12,8 @@ import pytest
 import yaml
 from lxml.html import fromstring
 
+from benchmarks import stand_and_arms
+from benchmarks.harness.markdown import read_page, table_in
 from benchmarks.pictures import DRAWN, FIGURES, PICTURES
 from tests import notebook
 from tests.artefacts.documents import (
@@ -113,7 +115,15 @@ def test_pictures_of_documents_are_those_of_the_study(
         ("counterbalance", ["demo"], ["| demo | ur5 | 3 |", "| none |"]),
         ("expected", ["demo"], ["| ur5, simulated | currents | force sensor | 3 paths, 1 date |"]),
         ("leave_out", [], ["alarms a minute", "friction differs by"]),
+        ("live_efforts", ["demo"], ["identified by", "right", "wrong", "undecided"]),
         ("worth", [], ["| nothing |", "| cross-fitting |"]),
+        ("paths", [], ["| ur5 | 0 |", "| ur5 | 1 |", "error of currents"]),
+        ("stand_and_arms", ["demo"], ["| the stand |"]),
+        (
+            "slow_presses",
+            ["--study", "demo"],
+            ["demo: no recording without contact", "rests for 8 s"],
+        ),
     ],
 )
 def test_what_was_built_is_measured(
@@ -121,6 +131,16 @@ def test_what_was_built_is_measured(
 ) -> None:
     printed = run_benchmark(name, demo.folder, *given)
     assert all(text in printed for text in texts)
+
+
+def test_the_stand_is_as_hard_as_an_arm(results: Path) -> None:
+    """Its residual torque without contact lies among those of real arms, line by line."""
+    page = read_page(PROJECT / "docs" / "world.md")
+    rows = table_in(page, stand_and_arms.TITLE).set_index("arm").replace("–", np.nan).astype(float)
+    arms = rows.drop(index=stand_and_arms.STAND)
+    found = np.array(stand_and_arms.row_of(results))
+    assert (arms.min().to_numpy() <= found).all()
+    assert (found <= arms.max().to_numpy()).all()
 
 
 def test_a_second_run_has_nothing_to_do(demo: Workflow) -> None:
@@ -169,7 +189,7 @@ def test_the_wrench_is_within_its_band(truth: pd.DataFrame) -> None:
     assert share["estimate"].min() >= 0.9
     off = rows[(rows["quantity"] == "wrench_rmse") & (rows["zero"] > 2.0)]
     assert len(off) >= 7
-    assert (off["estimate"] < 0.5 * off["zero"]).all()
+    assert (off["estimate"] < 0.55 * off["zero"]).all()
 
 
 def test_the_identified_model_is_the_simulated_one(truth: pd.DataFrame) -> None:
@@ -212,7 +232,7 @@ def test_every_fault_is_found(results: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "contact", "whole"),
-    [("way_points_pushed", 20.0, 13.0), ("standstill_pushed", 38.0, 34.0), ("pressed", 27.0, 25.0)],
+    [("way_points_pushed", 20.0, 16.0), ("standstill_pushed", 38.0, 34.0), ("pressed", 27.0, 25.0)],
 )
 def test_a_change_that_doubles_a_band_fails(
     results: Path, name: str, contact: float, whole: float
@@ -379,6 +399,7 @@ def test_the_sensor_is_exported_with_its_formula(results: Path, name: str) -> No
     """At rest, weight is a part of the bias."""
     text = exported("ur5", None, "sensor", results, "")
     known = check_formula(text, results, name)
+    assert FinishedStudy(results).model("ur5").export("sensor") == f"{text}\n"
     assert (known["mass"] is None) == (name == "standstill_pushed")
     center = known["center_of_mass"]
     if name == "standstill_pushed":

@@ -23,6 +23,7 @@ PRINTED = {  # what each prints at least
     "abb_like": ["1 seeds", "in band", "of least squares"],
     "slow_presses": ["1 seeds", "with an untouched span", "twenty lines"],
     "false_stops": ["4 right logs", "links described wrongly", "another arm declared"],
+    "grasps": ["loads above 1 kg", "unloaded pieces", "pushes of 2 s"],
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],
     "world": ["| tool of 0 cm, known |"],
@@ -32,6 +33,7 @@ ELSEWHERE = {  # run by tests of their own, here and in tests/
     *("leaderboard", "live", "simulated_contacts", "torque_from_motion"),  # rivals/
     *("excitation", "excitation_loop"),  # lab/
     "false_changes",  # topics/health/
+    "motion_alone",  # chain/
     "stand_seeds",  # topics/truth/
     "serial_arms",  # library/test_stand_of_other_arms.py
     "pictures",  # artefacts/test_lesson.py
@@ -40,9 +42,13 @@ OF_A_BUILT_STUDY = {
     "counterbalance",
     "expected",
     "leave_out",
+    "live_efforts",
+    "paths",
+    "stand_and_arms",
     "worth",
 }  # in tests/artefacts/test_demo.py
 OF_PUBLIC_RECORDINGS = {  # folder in ../shared, and what each prints at least
+    "choice": ("ur10e", ["| cut-off [Hz] | terms |", "| 1 | velocity_root |"]),
     "published_friction": ("staubli-tx40", ["| joint 6 | rotor", "With it, the residual"]),
 }
 

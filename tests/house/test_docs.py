@@ -24,7 +24,10 @@ from ur5lib.jobs.declared import every
 from ur5lib.judging.errors import REASONS_BY_GRAVITY
 from ur5lib.report.figures.house_style import save
 
-OTHERS = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "config/README.md")
+OTHERS = (
+    *("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "config/README.md"),
+    *("docs/skill/SKILL.md", "docs/llms.txt"),
+)
 PAGES = [*(PROJECT / name for name in OTHERS), *sorted((PROJECT / "docs").glob("*.md"))]
 LINK = re.compile(r"\]\((?!https?:)([^)#]*)(?:#([^)]*))?\)")
 

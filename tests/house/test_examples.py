@@ -26,6 +26,7 @@ from tests.examples import Example, check_command, examples, kind_of, words_of, 
 from tests.house.test_docs import PAGES
 from tests.house.test_seven_joints import arm as seven_joints
 from tests.in_memory import put_recordings
+from tests.scripts import SCRIPTS, run_script
 from ur5lib.cli import app
 from ur5lib.commands.contract import Contract
 from ur5lib.commands.exported import exported
@@ -60,7 +61,9 @@ def test_commands_are_known_with_their_options(line: str) -> None:
     check_command(line)
 
 
-@pytest.mark.parametrize("line", ["make tea", "ur5 brew", "snakemake --tea", "ur5 check --tea a"])
+@pytest.mark.parametrize(
+    "line", ["make tea", "ur5 brew", "snakemake --tea", "ur5 check --tea a", "ros2 launch tea.py"]
+)
 def test_a_command_that_does_not_exist_is_found(line: str) -> None:
     with pytest.raises((Exception, SystemExit)):
         check_command(line)
@@ -226,14 +229,14 @@ def use_the_rules(code: str, _: pytest.MonkeyPatch) -> None:
 
 def estimate_live(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """With the exported file of the estimator, and an arm's file, beside it."""
-    from tests.topics.live.made_arm import arm_file
+    from tests.topics.live import made_arm
 
     Path("live.py").write_text(exported("ur5", None, "live.py", None, ""))
-    Path("arm.json").write_text(json.dumps(arm_file()))
+    Path("arm.json").write_text(json.dumps(made_arm.exported()))
     monkeypatch.syspath_prepend(".")
     known: dict[str, Any] = {"time": 0.0, "q": np.zeros(6), "qd": np.zeros(6)}
     exec(code, known | {"current": np.zeros(6)}, known)
-    assert known["contact"] == "unknown"
+    assert known["answer"].contact == "unknown"
 
 
 def declare(code: str, _: pytest.MonkeyPatch) -> None:
@@ -244,8 +247,14 @@ def declare(code: str, _: pytest.MonkeyPatch) -> None:
     assert [line for line in stated if line not in module.splitlines()] == []
 
 
+def script(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On the files that the ten scripts name; the same recordings are fitted once."""
+    run_script(code, Path(), monkeypatch)
+
+
 PYTHON: dict[str, Callable[[str, pytest.MonkeyPatch], None]] = {
     "class Inputs": declare,
+    **dict.fromkeys(SCRIPTS, script),
     "import rtde_receive": record,
     ">>> import ur5lib": read,
     "from ur5lib import load\n\nrows": rows_to_type_in,

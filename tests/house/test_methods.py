@@ -19,6 +19,7 @@ from ur5lib.force import (
     sensed_contact,
     sensor,
     thresholds,
+    while_shut,
     wrench_estimate,
 )
 from ur5lib.force.contact_prior import ContactPrior, typical_force
@@ -107,6 +108,7 @@ def statements() -> Iterator[str]:
     yield f"{five} for five paths, {three} for three."
     yield f"multiply its bands by {one},"
     yield f"**One or two paths** count as {COUNTED[samples.MIN_PATHS]};"
+    yield f"at rest are by {friction.USUAL_AT_REST:g} those without any recording"
     # contacts
     typical = contact_prior.TYPICAL_LOAD_SHARE
     yield f"A typical contact has {typical:g} of the weight of the rated payload"
@@ -126,6 +128,8 @@ def statements() -> Iterator[str]:
     yield f"{wrench_estimate.PRESS_AS_FORCE:g} of it is added to F"
     yield f"{wrench_estimate.PRESS_AS_DOUBT:g} of it to the band"
     yield f"{contact_wrench.PRIOR_SHARE:g} of the deviation that P leaves"
+    rests = f"in rests of up to {while_shut.SHORT_REST:g} s the whole background"
+    yield f"{rests}, from {while_shut.LONG_REST:g} s on the change alone"
     yield f"κ is {missed_contacts.MISSED_DEVIATIONS:g}."
     yield f"as contact (its torque is {gate.QUIET_SHARE:g} of the fast error)"
     yield f"the prior P is 0 ± {contact_wrench.STATIC_FORCE:g} typical forces"

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from tests.current_study import noisy, prior, smooth
-from ur5lib.checks.checked import Checked
+from ur5lib.checks.checked import Checked, described_arms
 from ur5lib.checks.stop_signs import stop_signs
 from ur5lib.dynamics.link_model import LinkModel, load_regressor
 from ur5lib.force.contact_prior import ContactPrior
@@ -254,6 +254,16 @@ def test_a_joint_that_is_not_described_is_refused(field: str) -> None:
     described[field] = described[field][:-1]
     with pytest.raises(ValueError, match=rf"`{field}` has 6 entries; give 7, one for each"):
         Robot.model_validate(described)
+
+
+def test_a_description_that_changes_is_read_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("robots").mkdir()
+    for changed in (arm(), arm().model_copy(update={"gravity": (0.0, 0.0, -9.8)})):
+        Path("robots/seven.yaml").write_text(robot_yaml(changed))
+        assert described_arms()["seven"] == changed
 
 
 def test_its_link_models_are_drawn() -> None:

@@ -77,7 +77,7 @@ def test_every_link_leads_to_a_file_and_a_place_in_it() -> None:
     broken = []
     for page in PAGES.rglob("*.html"):
         for link in parsed(page).xpath("//*[not(self::script)]/@href | //@src"):
-            target, _, anchor = unquote(link).partition("#")
+            target, _, anchor = unquote(link).partition("@")[0].partition("#")  # a second
             led = (page.parent / target).resolve() if target else page
             if AWAY.match(link) or page.name == OF_THE_THEME:
                 continue

@@ -85,8 +85,8 @@ def test_the_report_speaks_of_torques_and_blames_nothing(results: Path) -> None:
     told = words(results / "report.html")
     quality = pd.read_csv(results / "tables" / "quality.csv")
     assert {*quality["severity"]} == {"note"}
-    assert "Gains ○ not determined links unknown 0 of 6 may be used" in told
-    assert "the links themselves are unknown" in told
+    assert "Gains ○ not known links unknown 0 of 6 Joints whose constant may be used" in told
+    assert "cannot be told from the links' masses" in told
     assert re.findall(r"(?i).{30}\bcurrents?\b(?!\.csv).{30}", told) == []
 
 

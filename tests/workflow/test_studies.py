@@ -193,7 +193,7 @@ def test_postures_without_time_are_a_report_on_constants(tmp_path: Path) -> None
     assert [*own.index[own["determined"] == "yes"]] == [2, 3, 4]
     assert (np.abs(own["value"] - constants) < 4 * own["std_error"]).all()
     assert "did not move" in text
-    assert "3 of 6 may be used" in text  # torque constants
+    assert "3 of 6 joints whose constant may be used" in text
     for table in ("force_mae", "current_rmse", "contacts"):
         assert read_csv(folder / "tables" / f"{table}.csv").empty
     (recording,) = read_csv(folder / "tables" / "recordings.csv").itertuples()

@@ -265,7 +265,7 @@ def test_editing_code_reruns_its_users(
         ("steps/judge_contacts.py", "judge_contacts", "judge_sensor"),
         ("judging/may_be_used.py", "make_tables", "estimate_forces"),
         ("report/views/contacts.py", "write_report", "judge_study"),
-        ("judging/limits.py", "judge_study", "make_tables"),
+        ("judging/limits.py", "make_tables", "judge_contacts"),
     ],
 )
 def test_a_module_is_a_part_of_the_steps_that_use_it(module: str, first: str, kept: str) -> None:
@@ -321,7 +321,12 @@ HOST = "hosts: {pc: [force_sensor, imu]}\n"
 @pytest.mark.parametrize(
     ("more", "expected"),
     [
-        (SETTING, jobs(*FROM_FORCES) | {"set_threshold": 1} | MEASURED | REPORT),
+        (
+            SETTING,  # contacts that hide in recordings to fit on are told by their typical force
+            jobs(*FROM_FORCES)
+            | {"fit_residuals": 1, "judge_recording": 2, "set_threshold": 1}
+            | MEASURED | REPORT,
+        ),
         ("settings: {lowpass: {currents: {order: 4}}}\n", {}),  # the default, spelt out
         (HOST, jobs(*FROM_MOTION) | DRIFTS | ARM | REPORT),
         (NEW.replace("ROLE", "contact"), jobs(*EACH_RECORDING, recordings=1) | REPORT),
