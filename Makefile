@@ -16,7 +16,7 @@ unexport PYTHONDONTWRITEBYTECODE # else each process compiles all that it import
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 PIP := .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check
 # torch has no hash: its small CPU build is another file than that of its release elsewhere. pyproject.toml pins it.
-FREEZE := .venv/bin/python -m pip freeze --all --exclude pip --exclude ur5lib --exclude torch
+FREEZE := .venv/bin/python -m pip freeze --all --exclude pip --exclude arm-force-lab --exclude torch
 LOCKED := install --require-hashes --no-deps --requirement
 SBOM := .venv/bin/pipx run --spec cyclonedx-bom==7.5.0 cyclonedx-py environment --output-reproducible
 HASH := .venv/bin/pipx run uv pip compile --quiet --no-deps --generate-hashes --no-header --no-annotate
@@ -93,6 +93,12 @@ pictures: .venv/dev ## build the default study and the lesson's, draw the docume
 	python -m benchmarks.pictures
 	python -m benchmarks.expected --page
 
+pages: studies ## build the studies whose recordings are in raw/, and from them each number, table and picture of the documents that takes minutes
+	python -m benchmarks.pages
+
+pages-all: studies ## those that take hours, too
+	python -m benchmarks.pages --all
+
 docs: .venv/dev ## build the site, .site/html: documents, notebook, reference, reports of public recordings that are built (make studies)
 	rm -rf .site && mkdir -p .site/pages
 	cp -RL *.md CITATION.cff LICENSE Snakefile config.yaml docs site ur5lib workflow .site/pages
@@ -116,6 +122,15 @@ release: .venv/dev ## build wheel, sdist, site, SBOM and hashes of the last comm
 	$(MAKE) docs
 	tar --create --sort=name --mtime="@$$SOURCE_DATE_EPOCH" --owner=0 --group=0 --numeric-owner -C .site html | gzip --no-name >dist/site.tar.gz
 	cd dist && sha256sum * >SHA256SUMS && cat SHA256SUMS
+	python -m benchmarks.installed --wheel dist/*.whl
+	@$(MAKE) --no-print-directory owner
+
+owner: .venv/dev ## say what of a release only the project's owner can do, and is not done
+	@grep -q '^repository-code:' CITATION.cff || echo "CITATION.cff has no repository-code, the project's address"
+	@grep -q '^doi:' CITATION.cff || echo "CITATION.cff has no doi"
+	@! grep -q '^  - name:' CITATION.cff || echo "CITATION.cff names a group and no people as authors"
+	@version=v$$(python -c 'import ur5lib; print(ur5lib.__version__)'); \
+		git tag --points-at HEAD | grep -qx "$$version" || echo "this commit has no tag $$version"
 
 schema: .venv/ready ## write the schema and the table of a study's settings anew
 	ur5 schema > workflow/study.schema.json
@@ -141,7 +156,7 @@ help: ## list these commands
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { echo \
 		"Python 3.11 or newer is needed; name one: make PYTHON=python3.11"; exit 1; }
 	@echo "setting up .venv: $$(grep -c == requirements.lock) packages, some 2 GB; this takes a minute or two"
-	@$(PYTHON) -m venv .venv || { echo \
+	@$(PYTHON) -m venv --clear .venv || { echo \
 		"$(PYTHON) cannot make .venv; install its venv module, free the disk, or name another: make PYTHON=..."; exit 1; }
 	@$(PIP) $(LOCKED) requirements.lock && $(PIP) install --no-build-isolation --editable . || { echo \
 		"the packages of requirements.lock cannot be installed; check the network and the disk, or name another Python: make PYTHON=python3.11"; exit 1; }
@@ -153,4 +168,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast test-changed lint fuzz mutants bench times leaderboard pictures docs release schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast test-changed lint fuzz mutants bench times leaderboard pictures pages pages-all docs release owner schema lock clean help

@@ -8,7 +8,7 @@ that are built, of recordings that may be shown, are copied to reports/<study> w
 link, and the gallery links them: where it has the comment `<!-- report: <study> -->`. The words for
 a picture are shown below it, unless the text there says what it shows. Numbers of data/ that a page
 links are a table that opens there. `--home` prints the address of the project's source, empty where
-pyproject.toml states none.
+CITATION.cff states none.
 """
 
 import base64
@@ -17,9 +17,10 @@ import json
 import re
 import shutil
 import sys
-import tomllib
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 PROJECT = Path(__file__).parents[1]
 REPORT = re.compile(r"<!-- report: ([\w-]+) -->")
@@ -97,9 +98,8 @@ def linked(folder: Path, page: str, known: set[str]) -> set[str]:
 
 def home() -> str:
     """Return the address of the project's source, empty where none is stated."""
-    project = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    address: str = project.get("urls", {}).get("Source", "")
-    return address
+    cited = yaml.safe_load((PROJECT / "CITATION.cff").read_text(encoding="utf-8"))
+    return str(cited.get("repository-code", ""))
 
 
 if __name__ == "__main__":

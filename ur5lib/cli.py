@@ -29,7 +29,7 @@ from ur5lib.errors import InputError, fault_of_ours, printable, unknown
 from ur5lib.study.address import results_folder, study_file
 from ur5lib.workspace.beside import commands_beside
 from ur5lib.workspace.extensions import LEFT_OUT, NAMED, USE_VARIABLE
-from ur5lib.workspace.origin import commit, lock
+from ur5lib.workspace.origin import commit, foreign, lock
 from ur5lib.workspace.topics import modules_of_topics
 
 PANELS = "Start", "Lab", "Results", "Arm", "Others"
@@ -165,6 +165,8 @@ app = typer.Typer(
 def _print_version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"ur5lib {__version__}, commit {commit()}, lock {lock()}")
+        if warning := foreign():
+            typer.echo(warning, err=True)
         raise typer.Exit
 
 

@@ -1,19 +1,24 @@
-"""Nothing installs the package by its name from an index, where the name is somebody else's."""
+"""No file installs the package by a name: on an index, `ur5lib` is somebody else's, and the name of
+the distribution is nobody's yet.
+"""
 
 import re
 import subprocess
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from tests.conftest import PROJECT
+from ur5lib.cli import app
+from ur5lib.workspace.origin import DISTRIBUTION
 
 INSTALLER = r"(?:pip[\d.]*|pipx|uv|conda|mamba|poetry|pdm|pixi)"
 VERB = r"(?:install|add|run|inject|download|tool)"
 # In one command of a line: neither a wheel's file name nor a folder, which go on after the name.
 BY_NAME = re.compile(
     rf"\b(?:{INSTALLER}\b[^`\n;|&#]*?\b{VERB}|uvx)\b[^`\n;|&#]*?"
-    r"(?<![\w./-])ur5lib(?!(?:\[\w+\])? *@ *file:|[\w/*-]|\.\w)",
+    r"(?<![\w./-])(?:ur5lib|arm[-_]force[-_]lab)(?!(?:\[\w+\])? *@ *file:|[\w/*-]|\.\w)",
     re.IGNORECASE,
 )
 
@@ -58,17 +63,17 @@ def test_no_file_installs_the_package_by_its_name() -> None:
     ],
 )
 def test_each_way_to_install_by_name_is_found(command: str) -> None:
-    for name in ("ur5lib", "UR5" + "lib"):
+    for name in ("ur5lib", "UR5" + "lib", DISTRIBUTION):
         assert installing(command.replace("NAME", name))
 
 
 @pytest.mark.parametrize(
     "command",
     [
-        "pip install ur5lib-*.whl      # or `pip install .` in a clone",
-        "pip install dist/ur5lib-1.0.0-py3-none-any.whl",
-        "pip install .  # in a clone, or ur5lib-*.whl; '.[record]' to move an arm",
-        "pip install 'ur5lib[record] @ file:///home/me/ur5lib-1.0.0-py3-none-any.whl'",
+        "pip install arm_force_lab-*.whl      # or `pip install .` in a clone",
+        "pip install dist/arm_force_lab-1.0.0-py3-none-any.whl",
+        "pip install .  # in a clone, or arm_force_lab-*.whl; '.[record]' to move an arm",
+        "pip install 'arm-force-lab[record] @ file:///home/me/arm_force_lab-1.0.0-py3-none-any.whl'",
         "`pip install .` put the package ur5lib.",
         "pip install --no-build-isolation /opt/ur5lib",
         "pip uninstall ur5lib; pip install .",
@@ -77,3 +82,16 @@ def test_each_way_to_install_by_name_is_found(command: str) -> None:
 )
 def test_a_wheel_file_and_a_clone_are_fine(command: str) -> None:
     assert not installing(command)
+
+
+def test_another_package_of_the_name_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert "another package" not in CliRunner().invoke(app, ["--version"]).output
+    information = tmp_path / "ur5lib-1.0.3.dist-info"
+    information.mkdir()
+    (information / "METADATA").write_text("Metadata-Version: 2.1\nName: ur5lib\nVersion: 1.0.3\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    for words in (["--version"], ["status", str(PROJECT / "config.yaml")]):
+        told = " ".join(CliRunner().invoke(app, words).output.split())
+        assert "another package is installed as ur5lib 1.0.3" in told

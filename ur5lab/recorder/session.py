@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from importlib.metadata import version
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, Self
@@ -16,6 +15,7 @@ from typing import Any, Self
 from ur5lab.journal import rows_in
 from ur5lab.recorder.capture import Status, capture
 from ur5lab.recorder.device import Identity
+from ur5lib import __version__
 from ur5lib.errors import InputError
 from ur5lib.study.devices import DeviceSettings
 from ur5lib.tables import checksum, read_json, write_json
@@ -193,7 +193,7 @@ def write_manifest(
             "complete": statuses is not None,
             "host": platform.node(),
             "clock": HOST_CLOCK,
-            "ur5lib": version("ur5lib"),
+            "ur5lib": __version__,
             "motion": moved,
             "devices": entries,
         },

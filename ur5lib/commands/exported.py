@@ -3,7 +3,6 @@
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
-from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import nnls
 
+from ur5lib import __version__
 from ur5lib.commands.compensation import compensation
 from ur5lib.commands.overruled import Overruled, overruled
 from ur5lib.errors import InputError, perhaps, unknown
@@ -211,7 +211,7 @@ def described_arm(arm: Robot, model: str) -> dict[str, Any]:
     keys = {"name", "gravity", "denavit_hartenberg", "calibration", "joints", "motors"}
     return {
         "units": UNIT_NOTE,
-        "exported_by": f"ur5lib {metadata.version('ur5lib')}",
+        "exported_by": f"ur5lib {__version__}",
         "arm": arm.model_dump(mode="json", include=keys, exclude_none=True),
         "link_model": {"name": model, **asdict(rigid_bodies(arm, model))},
     }

@@ -24,6 +24,7 @@ from ur5lib.jobs.unreadable import unreadable
 from ur5lib.study.address import results_folder, study_file
 from ur5lib.study.reading import read_study
 from ur5lib.study.turn import running
+from ur5lib.workspace.origin import foreign
 from ur5lib.workspace.places import SNAKEFILE, WORKFLOW
 
 PROGRESS = re.compile(r"(\d+) of (\d+) steps \(\d+%\) done")
@@ -122,6 +123,8 @@ class State:
             yield f"{self.steps_to_run} steps to run{why}; next: ur5 run {self.study}"
         elif self.steps_to_run == 0:
             yield "nothing to be done"
+        if warning := foreign():
+            yield warning
 
 
 def state(study: Path, results: Path) -> State:

@@ -12,6 +12,7 @@ from shlex import join
 from typing import Any, NamedTuple
 
 from ur5lib.errors import InputError
+from ur5lib.workspace.origin import DISTRIBUTION
 from ur5lib.workspace.places import IN_CLONE, PACKAGE, WORKFLOW
 
 GROUP = "ur5lib.commands"
@@ -41,19 +42,18 @@ def entry_points() -> dict[str, str]:
     """Return the place of each command, `module:function`, by its name."""
     if IN_CLONE:
         return dict(_project()["entry-points"][GROUP])
-    points = distribution("ur5lib").entry_points.select(group=GROUP)
+    points = distribution(DISTRIBUTION).entry_points.select(group=GROUP)
     return {point.name: point.value for point in points}
 
 
 def extra(name: str) -> list[str]:
     """Return the packages of an extra, each with its versions, as pip takes them.
 
-    Of an installed wheel, pip finds no extra by the package's name: on the public index, another
-    package has it.
+    Of an installed wheel, too, these are their names: no index has the package itself.
     """
     if IN_CLONE:
         return list(_project()["optional-dependencies"][name])
-    pairs = (line.split(";") for line in requires("ur5lib") or [])
+    pairs = (line.split(";") for line in requires(DISTRIBUTION) or [])
     return [package.strip() for package, *of in pairs if of == [f" extra == '{name}'"]]
 
 

@@ -1,10 +1,14 @@
-"""Where the code comes from: its commit, and the list of packages that it was tested with."""
+"""Where the code comes from: its name as a distribution, its commit, and the list of packages that
+it was tested with.
+"""
 
 import hashlib
 import subprocess
+from importlib.metadata import PackageNotFoundError, version
 
 from ur5lib.workspace.places import IN_CLONE, PACKAGE, WORKFLOW
 
+DISTRIBUTION = "arm-force-lab"  # pyproject.toml
 STAMP = PACKAGE / "workspace" / "commit.txt"  # `git archive` writes the commit into it
 DIGITS = 12
 
@@ -12,11 +16,11 @@ DIGITS = 12
 def commit() -> str:
     """Return the commit of the code, with "+ changes" when the files differ from it.
 
-    In a clone, from git; else from the stamp of a release; "(unknown)" without both.
+    In a clone, from git; else from the stamp of a wheel; "(unknown)" without both.
     """
     stamp = STAMP.read_text(encoding="utf-8").strip()
     if not stamp.startswith("$"):
-        return stamp[:DIGITS]
+        return stamp[:DIGITS] + stamp[40:]
     if not IN_CLONE:
         return "(unknown)"
     command = ["git", "-C", str(WORKFLOW), "describe", "--always", f"--abbrev={DIGITS}"]
@@ -26,6 +30,21 @@ def commit() -> str:
     except (OSError, subprocess.CalledProcessError):
         return "(unknown)"
     return name.strip()
+
+
+def foreign() -> str:
+    """Return a sentence if another distribution holds a package of this name, too, else "".
+
+    pip writes the files of both into one folder, and removes those of both with either.
+    """
+    try:
+        other = version(PACKAGE.name)
+    except PackageNotFoundError:
+        return ""
+    return (
+        f"another package is installed as {PACKAGE.name} {other}, and its files lie among these; "
+        "install this one into an environment of its own"
+    )
 
 
 def lock() -> str:
