@@ -37,6 +37,8 @@ ELSEWHERE = {  # run by tests of their own, here and in tests/
     "stand_seeds",  # topics/truth/
     "serial_arms",  # library/test_stand_of_other_arms.py
     "pictures",  # artefacts/test_lesson.py
+    "pages",  # house/test_pages.py
+    "installed",  # workflow/test_lab.py
 }
 OF_A_BUILT_STUDY = {
     "counterbalance",

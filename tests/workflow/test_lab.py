@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import installed as installed_size
 from tests.command import printed
 from tests.conftest import PROJECT, shared_folder
 from tests.workflow.test_simulated import POINTS, STUDY
@@ -99,6 +100,28 @@ def test_the_wheel_holds_every_file_of_the_library_and_the_workflow(wheel: Path)
         }
     names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     assert names == expected
+
+
+def test_a_wheel_of_a_clone_names_its_commit(wheel: Path) -> None:
+    if not (PROJECT / ".git").exists():
+        pytest.skip("no clone, so no commit")
+    head = subprocess.check_output(["git", "rev-parse", "HEAD"], cwd=PROJECT, text=True).strip()
+    stamp = zipfile.ZipFile(wheel).read("ur5lib/workspace/commit.txt").decode()
+    assert stamp.strip() in (head, f"{head} + changes")
+
+
+def test_the_size_of_an_installation_is_measured(
+    wheel: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["--wheel", str(wheel), "--python", sys.executable, "--quick"]
+    monkeypatch.setattr(sys, "argv", ["installed", *arguments])
+    installed_size.main()
+    python, torch, packages, megabytes = capsys.readouterr().out.splitlines()[-1].split("|")[1:5]
+    assert python.strip() == f"3.{sys.version_info.minor}"
+    assert torch.strip() == "none, CPU"
+    assert int(packages) <= 2  # Python 3.11 brings setuptools
+    held = sum(file.file_size for file in zipfile.ZipFile(wheel).infolist())
+    assert 1 <= float(megabytes) * 1e6 / held <= 4  # blocks of the disk, and bytecode
 
 
 def test_a_clone_is_installed_as_make_does(tmp_path: Path) -> None:
