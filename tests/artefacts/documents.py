@@ -22,6 +22,7 @@ from lxml.html import HtmlElement, fromstring
 from pypdf import PdfReader
 from pypdf.generic import DictionaryObject
 
+from tests.numbers_of_a_page import checked
 from tests.typeset_page import plain
 from ur5lib.records.verdicts import STATES
 from ur5lib.report.page.handed import WORDS
@@ -216,8 +217,9 @@ def check_results(folder: Path) -> None:
     assert told["$schema"] == "results.schema.json"
     page = fromstring((folder / "report.html").read_text())
     check_found(told, page)
-    rows = read_csv(folder / "tables" / "verdicts.csv").astype(object)
-    rows = rows.where(rows.notna(), None)
+    verdicts = read_csv(folder / "tables" / "verdicts.csv")
+    assert checked(page, verdicts) > 30
+    rows = verdicts.astype(object).where(verdicts.notna(), None)
     assert len(told["verdicts"]) == len(rows)
     for row, cells in zip(told["verdicts"], rows.to_dict("records"), strict=True):
         assert "before" in row
