@@ -3,7 +3,7 @@
     python -m benchmarks.installed [--wheel <file>] [--python <command> ...] [--page] [--quick]
 
 Makes an environment by each Python, of those from 3.11 on that are at hand, installs the wheel (by
-default that of the clone), and counts packages but for pip, and the megabytes (10^6 byte) that they
+default that of the clone), and counts packages but for pip, and the gigabytes (10^9 byte) that they
 add on disk. Exit status 1 if the table that the documents quote differs by more than 5 %; `--page`
 writes it instead, and keeps the rows of others. `--quick` installs none of the needed packages.
 """
@@ -35,7 +35,7 @@ class Installed(NamedTuple):
     python: str
     torch: str
     packages: int
-    megabytes: int
+    gigabytes: float
 
 
 def main() -> None:
@@ -77,8 +77,8 @@ def installed(python: str, wheel: Path, arguments: list[str]) -> Installed:
         cuda = any(name.startswith("nvidia-") for name in packages)
         torch = f"{packages.get('torch', 'none').split('+')[0]}, {'CUDA' if cuda else 'CPU'}"
         [version] = (path.name.removeprefix("python") for path in Path(folder, "lib").iterdir())
-        megabytes = round((size(Path(folder)) - before) / 1e6)
-        return Installed(version, torch, len(packages), megabytes)
+        gigabytes = round((size(Path(folder)) - before) / 1e9, 1)
+        return Installed(version, torch, len(packages), gigabytes)
 
 
 def size(folder: Path) -> int:
@@ -88,7 +88,7 @@ def size(folder: Path) -> int:
 
 def differing(new: pd.DataFrame, old: pd.DataFrame) -> str:
     """Return the environments whose numbers differ by more than the tolerance, or are not told."""
-    numbers = ["packages", "megabytes"]
+    numbers = ["packages", "gigabytes"]
     both = new.merge(old, how="left", on=["python", "torch"], suffixes=("", "_told"))
     far = [(both[name] - both[f"{name}_told"]).abs() <= TOLERANCE * both[name] for name in numbers]
     return ", ".join(both.loc[~(far[0] & far[1]), "python"])
