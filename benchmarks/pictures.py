@@ -24,7 +24,7 @@ from benchmarks.harness.options import built, options_of
 from benchmarks.harness.rules import with_evidence, with_rules
 from ur5lib.errors import InputError
 from ur5lib.jobs import files
-from ur5lib.records.verdicts import STATES, reason_in_words
+from ur5lib.records.verdicts import NO_DOUBT, STATES, reason_in_words, state_in_words
 from ur5lib.report.figures.house_style import Drawing, save
 from ur5lib.report.page.handed import handed_over
 from ur5lib.report.page.typeset import said
@@ -233,13 +233,16 @@ def card(own: dict[str, Any], results: Results) -> Card:
     number = "" if own["number"] == "–" else f"{own['number']} {own['unit'] or ''}".strip()
     # a card of measured numbers alone is judged by none
     why = "" if deciding.empty else reason_in_words(deciding["reason"].iloc[0], results.effort)
-    state = STATES[own["state"]] if own["state"] else ""
+    state = state_in_words(own["state"], own["question"]) if own["state"] else ""
     return Card(own["title"], state, number.replace("\u00a0", " "), why)
 
 
 def states(cards: list[Card]) -> str:
     """Return a table of the states that cards have, with their titles."""
-    titles = {one: [own.title for own in cards if own.state == one] for one in STATES.values()}
+    titles = {
+        one: [own.title for own in cards if own.state == one]
+        for one in (*STATES.values(), NO_DOUBT)
+    }
     rows = [[state, ", ".join(having)] for state, having in titles.items() if having]
     return markdown(["state", "cards"], rows)
 

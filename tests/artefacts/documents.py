@@ -24,7 +24,7 @@ from pypdf.generic import DictionaryObject
 
 from tests.numbers_of_a_page import checked
 from tests.typeset_page import plain
-from ur5lib.records.verdicts import STATES
+from ur5lib.records.verdicts import STATES, state_in_words
 from ur5lib.report.page.handed import WORDS
 from ur5lib.tables import read_csv
 
@@ -258,7 +258,10 @@ def check_state(state: str | None, own: pd.DataFrame) -> None:
     of_study = first[first["arm"].isna()]
     assert len(first)
     deciding = {*(of_study if len(of_study) else first)["state"]}
-    assert state in {STATES.get(one, one) for one in deciding}, first
+    words = {
+        state_in_words(one, own["question"].iloc[0]) if one in STATES else one for one in deciding
+    }
+    assert state in words, first
 
 
 def check_numbers(text: str, own: pd.DataFrame, tried: pd.Series) -> None:

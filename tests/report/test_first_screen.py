@@ -27,7 +27,7 @@ from tests.report.illustrated import EVERY
 from tests.typeset_page import built, headline_of, page_of, plain, tables_of, text_of
 from ur5lib.force.estimators import LEADING
 from ur5lib.records.codes import Found
-from ur5lib.records.verdicts import STATES
+from ur5lib.records.verdicts import NO_DOUBT, STATES
 from ur5lib.report.results import Results
 from ur5lib.report.views.first_screen import first_figure
 
@@ -97,7 +97,7 @@ def check_first_screen(results: Results) -> None:
 def badge(card: HtmlElement) -> str:
     """The state of a card, without its reason."""
     text = " ".join(map(str, card.xpath(".//span[contains(@class, 'badge')]/text()"))).strip()
-    return {"": "", **{words: state for state, words in STATES.items()}}[text]
+    return {"": "", NO_DOUBT: "good", **{words: state for state, words in STATES.items()}}[text]
 
 
 def card_of(results: Results, question: str) -> dict[str, str]:

@@ -11,7 +11,7 @@ from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.errors import printable
 from ur5lib.finished import StudyFiles
 from ur5lib.records.phrases import number
-from ur5lib.records.verdicts import STATES, reason_in_words
+from ur5lib.records.verdicts import State, reason_in_words, state_in_words
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class CardState:
 
     question: str
     arm: str
-    state: str
+    state: State
     reason: str
     why: str
     number: str = ""
@@ -32,7 +32,7 @@ class CardState:
     def line(self, with_arm: bool = False) -> str:
         """Return the state as a line."""
         of = f" of {self.arm}" if with_arm and self.arm else ""
-        parts = [STATES.get(self.state, self.state), self.number, self.why]  # type: ignore[call-overload]
+        parts = [state_in_words(self.state, self.question), self.number, self.why]
         return printable(f"{self.question}{of}: {'. '.join(filter(None, parts))}")
 
 

@@ -14,6 +14,8 @@ STATES: dict[State, str] = {  # what they mean to who copies a number
     "do not use": "do not use",
     "not determined": "not known",
 }
+COPIED = ("constants", "friction")  # questions whose numbers a reader copies
+NO_DOUBT = "no doubt"  # what `good` means of all others
 Use = Literal["yes", "no"]
 Sense = Literal[
     "", "less", "more", "ratio", "error", "change", "from", "beyond", "at most", "at least"
@@ -111,6 +113,13 @@ assert {"", *REASONS} == {*get_args(Reason)}
 def reason_in(cell: object) -> Reason:
     """Return the code of a reason from a table's cell, "" for an empty cell."""
     return cast("Reason", cell) if isinstance(cell, str) else ""
+
+
+def state_in_words(state: State, question: str) -> str:
+    """Return a state as the page words it of a question."""
+    if state == "good" and question not in COPIED:
+        return NO_DOUBT
+    return STATES.get(state, state)
 
 
 def reason_in_words(cell: object, effort: Effort = CURRENT) -> str:

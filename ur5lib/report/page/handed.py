@@ -20,7 +20,7 @@ import pandas as pd
 from ur5lib import __version__
 from ur5lib.errors import InputError, unknown
 from ur5lib.force.estimators import ESTIMATES, LEADING, NEW
-from ur5lib.records.verdicts import STATES
+from ur5lib.records.verdicts import COPIED, NO_DOUBT, STATES
 from ur5lib.report.figures.traces import BAND_EDGES, ERROR, HIDDEN, LINE_COLUMN, UNFILTERED
 from ur5lib.report.page import closer
 from ur5lib.report.results import Results
@@ -171,7 +171,8 @@ def study_data(results: Results) -> dict[str, Any]:
             "estimates": ESTIMATES,
             "leading": ESTIMATES[LEADING],
             "new": [*NEW],
-            "states": STATES,
+            "states": STATES | {"no doubt": NO_DOUBT},
+            "copied": COPIED,
             "figures": figures,
             "scenes": sorted({name.split("/")[0] for name in figures} & _scenes(results.figures)),
             "sections": sections(),
