@@ -9,6 +9,7 @@ SINCE ?=
 BEFORE ?= .
 AFTER ?= .
 N ?= 60
+ALL ?=
 SPEED := dynamics smoothing study
 EXCEPT = and not thorough
 REAL_TIME = MAKEFLAGS= OMP_NUM_THREADS=1 pytest -m "real_time $(EXCEPT)" --numprocesses 1 -o cache_dir=.pytest_cache/real_time $$(grep -lr mark.real_time tests)
@@ -90,14 +91,11 @@ pictures: .venv/dev ## build the default study and the lesson's, draw the docume
 	ur5 fetch ur10-bag $(if $(DATA),--from "$(DATA)")
 	snakemake --configfile workflow/studies/ur10-bag.yaml
 	ur5 excite --robot ur5e --output results/excited
-	python -m benchmarks.pictures
-	python -m benchmarks.expected --page
+	python -m benchmarks.pages expected pictures
 
-pages: studies ## build the studies whose recordings are in raw/, and from them each number, table and picture of the documents that takes minutes
-	python -m benchmarks.pages
-
-pages-all: studies ## those that take hours, too
-	python -m benchmarks.pages --all
+pages: studies ## build the studies whose recordings are in raw/, and from them each number, table and picture of the documents that takes minutes; ALL=--all those of hours, too
+	ur5 excite --robot ur5e --output results/excited
+	python -m benchmarks.pages $(ALL)
 
 docs: .venv/dev ## build the site, .site/html: documents, notebook, reference, reports of public recordings that are built (make studies)
 	rm -rf .site && mkdir -p .site/pages
@@ -168,4 +166,4 @@ help: ## list these commands
 		"the packages of requirements-dev.lock cannot be installed; check the network and the disk"; exit 1; }
 	@touch $@
 
-.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast test-changed lint fuzz mutants bench times leaderboard pictures pages pages-all docs release owner schema lock clean help
+.PHONY: all thesis studies test test-all tests test-others test-real-time test-fast test-changed lint fuzz mutants bench times leaderboard pictures pages docs release owner schema lock clean help
