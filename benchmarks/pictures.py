@@ -17,6 +17,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+import ur5lib
 from benchmarks.harness import series_pictures as series
 from benchmarks.harness import table_pictures as tables
 from benchmarks.harness.markdown import markdown, read_page, replaced, section, write_page
@@ -112,6 +113,17 @@ BAD = {  # section of the page on bad reports: the study
 WIDTH, SCREEN, CARDS = 1280, 900, 600  # pixels: of a screen, its height, and that of the cards
 
 
+BADGE = """<svg xmlns="http://www.w3.org/2000/svg" width="104" height="20">
+<rect width="104" height="20" rx="3" fill="#555"/>
+<rect x="56" width="48" height="20" rx="3" fill="#00695c"/>
+<g fill="#fff" text-anchor="middle" font-family="sans-serif" font-size="11">
+<text x="28" y="14">version</text>
+<text x="80" y="14">{}</text>
+</g>
+</svg>
+"""  # of the README
+
+
 class Card(NamedTuple):
     """A card of a report, "" for a missing state, number or reason."""
 
@@ -133,6 +145,7 @@ def main() -> None:
     given = options_of(__doc__).parse_args()
     built(RESULTS_FOLDER / study for study in ("demo", LESSON))
     draw_pictures()
+    write_text(BADGE.format(ur5lib.__version__), PICTURES / "version.svg")
     report = DOCUMENTS / "report.md"
     write_page(with_rules(with_columns(read_page(report))), report)
     recordings = DOCUMENTS / "recordings.md"

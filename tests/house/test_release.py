@@ -15,6 +15,7 @@ import yaml
 
 import ur5lib
 from benchmarks.harness.cells import CELL, DATA, with_cells
+from benchmarks.pictures import BADGE, PICTURES
 from tests.conftest import PROJECT
 
 CITATION = yaml.safe_load((PROJECT / "CITATION.cff").read_text())
@@ -26,6 +27,7 @@ def test_the_version_is_that_of_the_newest_changes() -> None:
     assert newest
     assert newest[1] == ur5lib.__version__
     assert CITATION["version"] == ur5lib.__version__
+    assert BADGE.format(ur5lib.__version__) == (PICTURES / "version.svg").read_text()
     assert isinstance(CITATION["date-released"], date)
 
 
