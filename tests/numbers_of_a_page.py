@@ -119,7 +119,10 @@ def is_near(found: re.Match[str], value: float) -> bool:
 
 def check_signs(text: str, row: dict[str, Any]) -> None:
     middle, below, above = WORDS_OF_SIGN.get(str(row.get("sense", "")), (0.0, "", ""))
-    if below and row.get("value", middle) != middle:
+    low, high = row.get("low", middle), row.get("high", middle)
+    if row.get("interval") == "95 %" and low < middle < high:
+        assert not below or (below not in text and above not in text), (text, row)
+    elif below and row.get("value", middle) != middle:
         right, wrong = (below, above) if row["value"] < middle else (above, below)
         assert right in text, (text, row)
         assert wrong not in text, (text, row)

@@ -10,6 +10,7 @@ from ur5lib.importing.evidence import SOURCES
 from ur5lib.judging import limits
 from ur5lib.judging.constants import REASONS_BY_GRAVITY
 from ur5lib.records.verdicts import REASONS, STATES, Reason, State, reason_in_words
+from ur5lib.robots.description import LOAD_SHARE
 from ur5lib.topics.health.changes import MIN_DATES
 
 WORDS = Path(__file__).parents[2] / "ur5lib/report/page/kit/words.typ"
@@ -114,6 +115,14 @@ RULES = [
         ["wide_interval"],
     ),
     Rule("usable", "links", "the controller counts with a load", ["loaded"]),
+    Rule("usable", "load", "an undeclared load of more than chance", ["loaded", "disagrees"]),
+    Rule(
+        "not determined",
+        "load",
+        f"its 95 % interval is ± {percent(limits.MAX_LOAD_ERROR * LOAD_SHARE)} of the rated one or "
+        "wider",
+        ["load_unsure"],
+    ),
     Rule("usable", "drift", "between dates", ["changed"]),
     Rule("good", "all", "none of these", []),
 ]

@@ -231,7 +231,7 @@ def test_the_verdicts_on_currents_are_the_worst_of_these(told: Judged) -> None:
     worst = max(own, key=lambda one: one.error / one.zero)
     assert (relative.joint, relative.value, relative.zero) == (worst.joint, worst.error, worst.zero)
     assert (relative.low, relative.high, relative.recording) == (worst.low, worst.high, "")
-    held = of_quantity(told, "currents", "least share of readings")
+    held = of_quantity(told, "currents", "least share of a joint's readings")
     value, row = largest(filter(in_motion, unseen_currents()), lambda one: -one["coverage95"])
     assert (held.value, held.joint) == (pytest.approx(-100 * value), row["joint"])
     width = of_quantity(told, "currents", "width of the 95 % band")
@@ -266,7 +266,7 @@ def test_a_band_that_never_holds_is_the_worst() -> None:
     entry = V1 | {"name": "seen"}
     found = [*judge_currents(tables_of([entry], recordings=[about], current_rmse=made), "ur5")]
     assert (found[0].low, found[0].interval, found[0].recording) == (None, "", "seen")
-    (held,) = (one for one in found if "least share of readings" in one.quantity)
+    (held,) = (one for one in found if "least share of a joint's readings" in one.quantity)
     assert (held.value, held.joint) == (0.0, 4)
 
 

@@ -167,7 +167,28 @@ def test_loads_that_agree_are_counted_where_the_currents_determine_one() -> None
     assert (load.recording, load.value) == ("seen", 0.5)
     rows[1] |= {"taken": "no", "low": -0.1}
     agreeing, _ = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
-    assert (agreeing.count, agreeing.reason) == (1, "")
+    assert (agreeing.count, agreeing.state, agreeing.reason) == (1, "good", "")  # one is chance
+
+
+@pytest.mark.parametrize(
+    ("wrong", "half", "found"),
+    [
+        (0, 0.1, ("good", "")),
+        (3, 0.1, ("good", "")),  # of sixty intervals of 95 %, chance gives as many
+        (9, 0.1, ("usable", "disagrees")),
+        (0, 1.5, ("not determined", "load_unsure")),
+    ],
+)
+def test_a_load_is_right_by_more_than_chance_and_if_it_is_known(
+    wrong: int, half: float, found: tuple[str, str]
+) -> None:
+    middles = [1.5 * half] * wrong + [0.0] * (60 - wrong)
+    rows = [
+        {"recording": "fitted", "low": middle - half, "high": middle + half, "taken": "no"}
+        for middle in middles
+    ]
+    first, *_ = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
+    assert (first.state, first.reason) == found
 
 
 # Recordings

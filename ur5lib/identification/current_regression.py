@@ -163,16 +163,16 @@ def _against(alone: float, known: float, sensed: bool) -> Remark:
     by_itself = f"by itself, it would give {number(alone, '.3g')}"
     if sensed:
         text = (
-            f"the measured torque contradicts its gain of 1 ({by_itself} Nm/Nm), which is used "
-            "instead: a link or a column may be wrong, a spring be missing (`balanced_joints`), "
+            f"the measured torque contradicts its gain of 1, which is used; {by_itself} Nm/Nm: "
+            "a link or a column may be wrong, a spring be missing (`balanced_joints`), "
             "or, of a negative gain, the sign be reversed (`units`); record faster and loaded "
             "motions"
         )
         return Remark(CauseCode.TORQUE_AGAINST_GAIN, text, constants=(alone, known))
     text = (
-        f"the motor contradicts its known torque constant ({by_itself}; the known "
-        f"{number(known, '.3g')} Nm/A is used): the inertia of the rotor may be missing, or a "
-        "column be wrong; record faster and loaded motions"
+        f"the motor contradicts its known torque constant, {number(known, '.3g')} Nm/A, which is "
+        f"used; {by_itself}: the inertia of the rotor may be missing, or a column be wrong; record "
+        "faster and loaded motions"
     )
     return Remark(CauseCode.CURRENT_AGAINST_CONSTANT, text, constants=(alone, known))
 

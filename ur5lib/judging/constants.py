@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binom
 
-from ur5lib.judging.limits import MIN_USABLE_SHARE
+from ur5lib.judging.limits import BELIEVED, MAX_LOAD_ERROR, MIN_USABLE_SHARE
 from ur5lib.judging.study import StudyTables
 from ur5lib.records.codes import Found
 from ur5lib.records.quality import STOP
@@ -106,7 +107,7 @@ def _widest(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
         arm=robot,
         rank=2,
         reason="one_path" if (usable["reason"] == "one_path").any() else "",
-        quantity="widest 95 % interval of a constant, half of it",
+        quantity="widest 95 % interval of a usable constant, half of it",
         sense="less",
         value=float(shares.max()),
         unit="%",
@@ -115,6 +116,10 @@ def _widest(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
         interval="range over joints" if several else "",
         joint=int(row["joint"]),
     )
+
+
+DETERMINED = "determined constant"
+BY_ITSELF = "constant that a joint alone would give, not used"
 
 
 def _farthest(rows: pd.DataFrame, study: StudyTables, robot: str) -> Iterator[Verdict]:
@@ -135,7 +140,7 @@ def _farthest(rows: pd.DataFrame, study: StudyTables, robot: str) -> Iterator[Ve
         arm=robot,
         rank=3,
         reason=reason_in(row["reason"]),
-        quantity="determined constant farthest from the known one",
+        quantity=f"{DETERMINED if stated else BY_ITSELF}, farthest from the known one",
         value=float(value[row.name]),
         unit=study.effort.constant_unit,
         low=float(row["low"]) if stated else None,
@@ -176,6 +181,22 @@ def judge_gravity(study: StudyTables, robot: str) -> Iterator[Verdict]:
         )
 
 
+def _state_of_load(
+    rows: pd.DataFrame, agree: "pd.Series[bool]", carried: float
+) -> tuple[State, Reason]:
+    """Return whether loads are the declared ones: of true ones, one in twenty intervals disagrees.
+
+    agree: by row; carried: a load that the arm carries well [kg].
+    """
+    if (rows["taken"] == "yes").any():
+        return "usable", "loaded"
+    if (~agree).sum() > binom.ppf(BELIEVED, len(rows), 1 - BELIEVED):
+        return "usable", "disagrees"
+    if rows["half"].max() > MAX_LOAD_ERROR * carried:
+        return "not determined", "load_unsure"
+    return "good", ""
+
+
 def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
     """Yield the number of contact-free recordings on which the load's 95 % interval contains the
     declared load. Recordings with a half interval wider than the arm's load are not counted.
@@ -189,9 +210,11 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
     agree = (rows["low"] <= 0) & (rows["high"] >= 0)
     about: Any = {"question": "load", "arm": robot}
     meant = "that of the others" if robot in study.placeholders else "the declared one"
+    state, reason = _state_of_load(rows, agree, study.loads[robot])
     yield Verdict(
         **about,
-        reason="loaded" if (rows["taken"] == "yes").any() else "",
+        state=state,
+        reason=reason,
         quantity=f"recordings whose load agrees with {meant}",
         sense="more",
         count=int(agree.sum()),

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.special import gammaincinv
+from scipy.special import gammaincinv, stdtrit
 
 from ur5lib.force.estimators import GATED, LEADING
 from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.judging.limits import (
+    BELIEVED,
     GOOD_ALARM_RATE,
     MAX_GOOD_PEAK_ERROR,
     MAX_USUAL_THRESHOLD,
@@ -113,13 +114,22 @@ def _peaks(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """Yield the mean [%] and the largest [N] error of the peaks of found contacts."""
     found = rows[rows["fate"] == Fate.FOUND].dropna(subset="peak_error")
     if len(found):
-        shares = 100 * found["peak_error"] / found["peak"]
-        mean = {"value": float(shares.mean()), "unit": "%", "count": len(found)}
+        mean = _mean(100 * found["peak_error"] / found["peak"])
         yield mean | {"quantity": "error of the peak of found contacts, mean", "sense": "error"}
         most = found.loc[found["peak_error"].abs().idxmax()]
         own = {"value": float(most["peak_error"]), "unit": "N", "recording": str(most["recording"])}
         about = {"quantity": "error of the peak of a found contact, largest", "sense": "error"}
         yield own | about
+
+
+def _mean(shares: "pd.Series[float]") -> dict[str, Any]:
+    """Return the mean of shares [%] with its 95 % interval by Student's t, none of a single one."""
+    mean = float(shares.mean())
+    found = {"value": mean, "unit": "%", "count": len(shares)}
+    if len(shares) == 1:
+        return found
+    half = float(stdtrit(len(shares) - 1, (1 + BELIEVED) / 2) * shares.sem())
+    return found | {"low": mean - half, "high": mean + half, "interval": "95 %"}
 
 
 def _timing(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
@@ -147,7 +157,7 @@ def _timing(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
         yield own | {"quantity": "largest shortfall of a peak", "sense": "less"}
     impulses = (found["impulse_error"] / found["impulse"]).dropna()
     if len(impulses):
-        mean = {"value": 100 * float(impulses.mean()), "unit": "%", "count": len(impulses)}
+        mean = _mean(100 * impulses)
         yield mean | {"quantity": "error of the impulse of found contacts, mean", "sense": "error"}
     delays = found["onset_error_s"].astype(float).dropna()
     if len(delays):

@@ -95,7 +95,7 @@ def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
         question=QUESTION,
         arm=robot,
         rank=4,
-        quantity="least share of readings in the 95 % band",
+        quantity="least share of a joint's readings in the 95 % band",
         sense="at least",
         value=100 * (least.coverage95 or 0.0),
         unit="%",
@@ -130,7 +130,7 @@ def _as_torque(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:
         about: Any = {"question": QUESTION, "arm": robot, "rank": 6, "unit": "Nm"}
         yield Verdict(
             **about,
-            quantity="largest error on a recording as a torque",
+            quantity="error on the worst recording as a torque",
             sense="less",
             value=most.largest_torque,
             joint=most.joint,

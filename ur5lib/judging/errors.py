@@ -136,13 +136,13 @@ def verdicts(
 
 
 def _largest(errors: Sequence[JudgedError], quantity: str, **about: Any) -> Verdict:
-    """Return the largest error on a recording."""
+    """Return the error on the worst recording."""
     most = max(errors, key=lambda one: one.largest)
     return Verdict(
         question=most.question,
         rank=3,
         sense="less",
-        quantity=f"largest {'distance' if 'distance' in quantity else 'error'} on a recording",
+        quantity=f"{'distance' if 'distance' in quantity else 'error'} on the worst recording",
         value=most.largest,
         unit=most.unit,
         joint=most.joint,

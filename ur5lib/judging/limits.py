@@ -22,6 +22,8 @@ MAX_GOOD_PEAK_ERROR = 0.25  # share of a contact's peak by which its estimate ma
 # Log-odds: fits of a UR5, a UR10e and the default study have 0, with hidden contacts 15.
 MAX_USUAL_THRESHOLD = 5.0
 UPPER_LIMIT = 0.95  # probability of a rate's upper limit
+BELIEVED = 0.95  # share of 95 % intervals that hold the truth
+MAX_LOAD_ERROR = 0.25  # of a load that the arm carries well, a tenth of the rated one
 GOOD_ALARM_RATE = 1.0  # 1/min; if the upper limit without any alarm exceeds it, time is too short
 MAX_DRIFT_ERROR = 1.0  # N/min; largest half-width of a determined drift's 95 % interval
 HIGH_LOST_SHARE = 0.1  # a recording with this share of lost frames should be repeated
