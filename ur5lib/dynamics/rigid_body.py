@@ -24,7 +24,7 @@ from ur5lib.dynamics.recursion import (
     link_inertia,
     split,
 )
-from ur5lib.dynamics.tracing import Geometry, Number, stacked
+from ur5lib.dynamics.tracing import Geometry, Number, stacked, straight_line
 
 UNIT_TURN = LinkMotion(
     ZERO_VECTOR, (0.0, 0.0, 1.0), ZERO_VECTOR, recursion.turning(ZERO_VECTOR, (0.0, 0.0, 1.0))
@@ -92,6 +92,19 @@ def forward_dynamics(
     return in_batches(solve, batch_size(arm), q, net_torque)
 
 
+def equation_of_motion(
+    geometry: Geometry, parameters: Tensor, gravity: Tensor, q: Tensor, qd: Tensor
+) -> tuple[Tensor, Tensor]:
+    """Return D(q) (N, n, n) and C(q, q̇) q̇ + g(q) (N, n) of arms of one geometry, each under masses
+    and a gravity of its own.
+
+    parameters: (11 n, N), π of each; gravity: (3, N) [m/s²], base frame.
+    """
+    program = straight_line(_equation, geometry)
+    rows = program(parameters, gravity, q.T.contiguous(), qd.T.contiguous())
+    return rows[1:].movedim(-1, 0), rows[0].T
+
+
 def kinetic_energy(arm: ArmTensors, q: Tensor, qd: Tensor) -> Tensor:
     """Return ½ q̇ᵀ D(q) q̇, (N,) [J], rotors included (Equation 2.61)."""
     return evaluate(arm, _kinetic_energy, q, qd)
@@ -119,6 +132,15 @@ def _unloaded(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any:
     weightless, still = geometry._replace(gravity=ZERO_VECTOR), [0.0 for _ in geometry.joints]
     [speeds] = components(geometry, qd)
     return stacked(_torques(weightless, *split(geometry, parameters), q, speeds, still), q[0])
+
+
+def _equation(geometry: Geometry, parameters: Any, gravity: Any, q: Any, qd: Any) -> Any:
+    """Return C q̇ + g above the rows of D, (n + 1, n, N)."""
+    arm = geometry._replace(gravity=(gravity[0], gravity[1], gravity[2]))
+    [speeds], still = components(geometry, qd), [0.0 for _ in geometry.joints]
+    torques = _torques(arm, *split(geometry, parameters), q, speeds, still)
+    matrix = _composite_bodies(geometry, parameters, q)
+    return torch.cat([stacked(torques, q[0])[None], matrix])
 
 
 def _kinetic_energy(geometry: Geometry, parameters: Any, q: Any, qd: Any) -> Any:
