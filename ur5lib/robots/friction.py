@@ -65,7 +65,7 @@ class JointMotion:
     direction: Array
     warmth: Array | float = 0.0
     shaft: ShaftMotion | None = None
-    balanced: bool = False
+    balanced: bool | Array = False
     qdd: Array | float = 0.0
     direction_over: Callable[[float], Array] = lambda _: np.zeros(1)
     inertial: Array | float = 0.0
