@@ -118,6 +118,7 @@ def test_pictures_of_documents_are_those_of_the_study(
         ("live_efforts", ["demo"], ["identified by", "right", "wrong", "undecided"]),
         ("worth", [], ["| nothing |", "| cross-fitting |"]),
         ("paths", [], ["| ur5 | 0 |", "| ur5 | 1 |", "error of currents"]),
+        ("rollout", ["demo"], ["demo, ur5: 6 windows", "our simulation of", "urdf, rotors"]),
         ("stand_and_arms", ["demo"], ["| the stand |"]),
         (
             "slow_presses",

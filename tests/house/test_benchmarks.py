@@ -46,6 +46,7 @@ OF_A_BUILT_STUDY = {
     "leave_out",
     "live_efforts",
     "paths",
+    "rollout",
     "stand_and_arms",
     "worth",
 }  # in tests/artefacts/test_demo.py

@@ -53,7 +53,7 @@ def urdf(robot: Robot, bodies: RigidBodies, friction: JointFriction | None = Non
     The base is `frame_0`; for k = 1 to n, `joint_k` turns `link_k`, which has the mass, and its
     Denavit-Hartenberg frame `frame_k` lies at the far end of the link. Viewers draw each link as a
     stick. URDF has no element for rotor inertias: set them as `model.armature` in Pinocchio and
-    `model.dof_armature` in MuJoCo.
+    `model.dof_armature` in MuJoCo, followed by `mj_setConst`.
     """
     root = Element("robot", name=robot.name)
     _add_note(root, friction)
