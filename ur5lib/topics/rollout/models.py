@@ -35,7 +35,18 @@ def contenders(arm: Robot, friction: Friction) -> Iterator[Contender]:
     yield from (Contender(links, links) for links in arm.models if links != fullest)
     yield Contender(FRICTIONLESS, fullest, rubs=False)
     if arm.links == "known" and known is not None and np.isfinite(known.value).all():
-        yield Contender(DESCRIBED, arm.chosen_model, rubs=False, documented=True)
+        yield Contender(DESCRIBED, DESCRIBED, rubs=False, documented=True)
+
+
+def with_described(arm: Robot) -> Robot:
+    """Return an arm with a further link model, DESCRIBED: the chosen one with the described rotors,
+    if all are.
+    """
+    model = arm.models[arm.chosen_model]
+    rotors = [arm.motor(joint).reflected_rotor() for joint in arm.joint_numbers]
+    if None not in rotors:
+        model = model.model_copy(update={"rotor_inertias": tuple(rotors)})
+    return arm.with_model(DESCRIBED, model)
 
 
 class Constants(NamedTuple):

@@ -30,6 +30,7 @@ from ur5lib.topics.rollout.models import (
     Contender,
     contenders,
     terms_of,
+    with_described,
 )
 from ur5lib.topics.rollout.rows import RolledOut
 from ur5lib.topics.rollout.simulation import ManyFrictions, simulated
@@ -90,8 +91,9 @@ def runs_of(
     """
     if not friction.from_ or arm.drives.coupling:
         return []
+    described = with_described(arm)
     return [
-        Run(samples, arm.carrying(recording.premises.load.payload).mounted(gravities[name]))
+        Run(samples, described.carrying(recording.premises.load.payload).mounted(gravities[name]))
         for name, recording in recordings.items()
         if is_unseen(name, arm, friction) and (samples := samples_of(name, recording, arm))
     ]

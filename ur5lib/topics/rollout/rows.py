@@ -10,7 +10,7 @@ class RolledOut:
     is from where it went, after a time.
 
     model: `identified arm`; the same with another link model, by its name; `without friction`; `as
-    described`, the description's links and documented torque constants alone; `standing still`;
+    described`, the description's links, rotors and torque constants alone; `standing still`;
     joint: None of the flange; error: median over windows [deg, mm], low, high: its 95 % interval;
     largest: nine of ten windows are below; floor: of windows that others repeat, what the
     identified arm's errors in both differ by over √2, median over so many repeats; apart: distance
