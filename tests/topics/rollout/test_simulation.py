@@ -12,7 +12,8 @@ from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.dynamics.many_arms import ManyArms
 from ur5lib.dynamics.rigid_body import kinetic_energy, potential_energy
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
-from ur5lib.robots.exports import JointFriction
+from ur5lib.robots.exports import JointFriction, urdf
+from ur5lib.robots.inertia import written_bodies
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.robots.statics import link_frames
 from ur5lib.timeseries.arrays import Array
@@ -113,18 +114,23 @@ def test_dry_friction_holds_an_arm_at_rest(model: str, most: float) -> None:
         assert (moved < most).all() if holds else (moved.max(axis=1) > 2e-2).all()
 
 
-def test_mujoco_goes_where_it_goes() -> None:
+@pytest.mark.parametrize("to", ["mjcf", "urdf"])
+def test_mujoco_goes_where_it_goes(to: str) -> None:
     """By the exported arm, whose dry friction reverses at once and is as hard as its steps allow:
-    of half of the motions, which reverse, within 0.5 % of the way.
+    of half of the motions, which reverse, within 0.5 % of the way. Rotors of a URDF are set.
     """
-    robot = arm()
+    robot, model = arm(), "maker+rotors"
     written = JointFriction(np.full(6, 5.0), np.full(6, 8.0), np.ones(6))
-    engine = mujoco.MjModel.from_xml_string(mjcf(robot, "maker+rotors", written))
+    bodies = written_bodies(robot, model)
+    text = mjcf(robot, model, written) if to == "mjcf" else urdf(robot, bodies, written)
+    engine = mujoco.MjModel.from_xml_string(text)
     engine.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONTACT
     engine.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_LIMIT
     engine.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    engine.opt.timestep = STEP / PARTS
+    engine.opt.timestep, engine.opt.gravity = STEP / PARTS, robot.gravity
     engine.dof_solref[:, 0] = 2 * STEP / PARTS
+    engine.dof_armature[:] = bodies.rotor_inertia
+    mujoco.mj_setConst(engine, mujoco.MjData(engine))
     q, qd, qdd = (x[:, ::FINE] for x in swings())
     states = (x[:, :-1].reshape(-1, 6) for x in (q, qd, qdd))
     rigid = LinkModel(robot, "maker+rotors").inverse_dynamics(*states)
