@@ -69,6 +69,7 @@ def report(study: StudyFiles, robot: str, folder: Path, most: int) -> None:
             motion=study.record(Motion, one.name),
             premises=study.record(Premises, one.name),
             prediction=study.record(Prediction, one.name, "currents"),
+            quality=study.quality(one.name),
         )
         for one in entries
     }

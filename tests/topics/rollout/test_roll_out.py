@@ -14,6 +14,7 @@ from ur5lib.identification.currents import predict
 from ur5lib.records.friction import Friction, KnownConstants, LeftOut
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Quality
 from ur5lib.robots.description import Payload, Robot, load_robot, robot_path
 from ur5lib.topics.rollout.models import (
     DESCRIBED,
@@ -39,7 +40,9 @@ def known() -> Friction:
     return replace(own, fit=replace(own.fit, joints=joints))
 
 
-def recorded(arm: Robot, noise: float = 0.0, seed: int = 0, **premises: object) -> Inputs:
+def recorded(
+    arm: Robot, noise: float = 0.0, seed: int = 0, copied: bool = False, **premises: object
+) -> Inputs:
     """An arm with a load that swings, and the currents that this takes by the fit."""
     random = np.random.default_rng(7)
     time = PERIOD * np.arange(round(SECONDS / PERIOD))
@@ -57,6 +60,7 @@ def recorded(arm: Robot, noise: float = 0.0, seed: int = 0, **premises: object) 
         motion=motion,
         premises=record(Premises, about),
         prediction=record(Prediction, {"fitted": False, "scores": {"fitted": {}}}),
+        quality=record(Quality, {"fingerprint": [*range(20)] if copied else []}),
     )
 
 
@@ -125,6 +129,10 @@ def test_windows_that_a_fit_has_seen_or_that_are_touched_do_not_count() -> None:
     assert rolled_out({"one": recorded(arm)}) == {}
     touched = recorded(arm, touched=[(0.0, 9.0)])
     assert rolled_out({"new": touched})[IDENTIFIED, None, 2.0].windows == 7
+    copies = {name: recorded(arm, copied=True) for name in ("new", "one", "same")}
+    assert rolled_out(copies) == {}
+    del copies["one"]
+    assert rolled_out(copies)[IDENTIFIED, None, 2.0].recordings == 1
     loaded = {"mass": 1.0, "std_error": 0.1, "taken": True}
     carries = record(Prediction, {"scores": {"fitted": {}}, "load": loaded})
     unknown = Inputs(**{**vars(recorded(arm)), "prediction": carries})

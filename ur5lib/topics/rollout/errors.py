@@ -18,6 +18,7 @@ from ur5lib.topics.rollout.windows import HORIZONS
 
 LARGEST = 0.9  # share of windows
 TAIL = 0.025  # on either side of a 95 % interval
+SMALLEST = 1e-9  # deg, mm
 NEAR = 0.5  # of the identified arm's error
 MIN_WINDOWS = 6  # the least of which a median has a 95 % interval
 
@@ -47,7 +48,7 @@ def rows_of(found: Mapping[str, Array], differing: Array, recordings: int) -> It
     model's in R windows and in their repeats differ by, (R, H, n + 3); recordings: their number.
     """
     ours, repeated = sizes(found[IDENTIFIED]), sizes(differing / np.sqrt(2))
-    error, count = np.median(ours, axis=0), ours.shape[2]
+    error, count = np.maximum(np.median(ours, axis=0), SMALLEST), ours.shape[2]
     floor = np.median(repeated, axis=0) if len(repeated) >= MIN_WINDOWS else np.nan * error
     for model, own in found.items():
         errors, apart = sizes(own), np.median(sizes(own - found[IDENTIFIED]), axis=0)

@@ -11,11 +11,13 @@ import scipy  # loads scipy.spatial at its first use
 from ur5lib.dynamics.many_arms import ManyArms
 from ur5lib.identification.current_samples import measured_samples
 from ur5lib.identification.samples import CurrentSamples
+from ur5lib.recordings.copies import same_runs
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
 from ur5lib.records.opened import Opened
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.premises import Premises
+from ur5lib.records.quality import Quality
 from ur5lib.records.signals import Signals
 from ur5lib.records.step import step
 from ur5lib.robots.description import Robot
@@ -36,6 +38,7 @@ from ur5lib.topics.rollout.rows import RolledOut
 from ur5lib.topics.rollout.simulation import ManyFrictions, simulated
 from ur5lib.topics.rollout.windows import (
     ENDS,
+    HORIZONS,
     Windows,
     joined,
     starts_of,
@@ -55,6 +58,7 @@ class Inputs(Opened):
     motion: Motion
     premises: Premises
     prediction: Prediction
+    quality: Quality
 
 
 class Run(NamedTuple):
@@ -86,16 +90,19 @@ def runs_of(
     friction: Friction,
     gravities: Mapping[str, list[float] | None],
 ) -> list[Run]:
-    """Return the recordings that a fit has not seen; empty without a fit, and for an arm with
-    coupled motors, whose friction acts on shafts. Arguments: as of `roll_out`.
+    """Return the recordings that a fit has not seen, without copies of others; empty without a fit,
+    and for an arm with coupled motors, whose friction acts on shafts. Arguments: as of `roll_out`.
     """
     if not friction.from_ or arm.drives.coupling:
         return []
+    prints = {name: recording.quality.fingerprint for name, recording in recordings.items()}
+    copied = {one if other in friction.from_ else other for one, other in same_runs(prints)}
     described = with_described(arm)
     return [
         Run(samples, described.carrying(recording.premises.load.payload).mounted(gravities[name]))
         for name, recording in recordings.items()
-        if is_unseen(name, arm, friction) and (samples := samples_of(name, recording, arm))
+        if name not in copied and is_unseen(name, arm, friction)
+        if (samples := samples_of(name, recording, arm))
     ]
 
 
@@ -118,12 +125,13 @@ def is_unseen(name: str, arm: Robot, friction: Friction) -> bool:
 
 
 def samples_of(name: str, recording: Inputs, arm: Robot) -> CurrentSamples | None:
-    """Return the samples of a recording; None without a prediction of its efforts, or with a load
-    that nobody declared.
+    """Return the samples of a recording; None without a prediction of its efforts, with a load that
+    nobody declared, or of which samples are further apart than the first of HORIZONS.
     """
-    if not recording.prediction.scores or recording.prediction.is_loaded:
-        return None
     signals, motion = recording.signals, recording.motion
+    is_slow = len(motion.time) < 2 or motion.period > HORIZONS[0]
+    if not recording.prediction.scores or recording.prediction.is_loaded or is_slow:
+        return None
     samples = measured_samples(name, signals, motion, arm, np.zeros_like(motion.q))
     return samples and untouched(samples, signals.time, recording.premises.touched)
 
