@@ -5,7 +5,8 @@
 Runs the command of each part, on studies that are built (`make studies`), puts the cells of
 docs/data into prose (`benchmarks/harness/cells.py`), and writes commit and day of each part into
 docs/data/stamps.csv. Without names, all parts that take minutes; `--all` takes those of hours, too.
-`--quick` only names the pages whose prose has other numbers than docs/data.
+A part that fails is left as it was, and named at the end. `--quick` only names the pages whose
+prose has other numbers than docs/data.
 """
 
 import subprocess
@@ -70,16 +71,24 @@ def main() -> None:
     options.add_argument("--all", action="store_true", help="those that take hours, too")
     given = options.parse_args()
     names = given.parts or [name for name, part in PARTS.items() if given.all or not part.hours]
-    for name in names if not given.quick else ():
-        print(f"python -m {PARTS[name].command}", flush=True)
-        subprocess.run(f"{PYTHON} {PARTS[name].command}", shell=True, cwd=PROJECT, check=True)
-        write_csv(stamped(pd.read_csv(STAMPS, dtype=str), name), STAMPS)
+    left = [name for name in names if not given.quick and not built(name)]
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         if (new := with_cells(text)) != text:
             print(f"numbers in prose differ from docs/data: {page.name}")
             if not given.quick:
                 write_text(new, page)
+    if left:
+        sys.exit(f"not built, and kept as they were: {', '.join(left)}")
+
+
+def built(name: str) -> bool:
+    """Run a part, stamp it, and return whether it succeeded; it says itself what it lacks."""
+    print(f"python -m {PARTS[name].command}", flush=True)
+    if subprocess.run(f"{PYTHON} {PARTS[name].command}", shell=True, cwd=PROJECT).returncode:
+        return False
+    write_csv(stamped(pd.read_csv(STAMPS, dtype=str), name), STAMPS)
+    return True
 
 
 def stamped(stamps: pd.DataFrame, name: str) -> pd.DataFrame:
