@@ -19,7 +19,6 @@ from ur5lib.commands.arguments import (
     ADDRESS_HELP,
     STUDY_HELP,
     AsJson,
-    Results,
     StudyFile,
     as_text,
     print_lines,
@@ -43,7 +42,7 @@ EXPORTED += [name for topic in EXPORTS for name in vars(topic).get("FOLDERS", ()
 OTHERWISE = {  # former options of commands, with the present ones
     "import": {"--write": "--output"},
     "excite": {"--write": "--output"},
-    "convert": {"--to": "--format", "--into": "--output"},
+    "convert": {"--to": "--format"},
     "export": {"--to": "--format"},
     "fetch": {"--to": "--output"},
     "compare": {"--junit": "--output"},
@@ -52,6 +51,7 @@ FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}  # a disk, or what t
 NO_MEMORY = "failed to map segment"  # of a package's library
 KEPT = {  # printed after Ctrl-C; files are renamed when complete, so that none is half written
     "run": "the steps that are done are kept, and the same command goes on",
+    "convert": "the copies that are complete are kept, and --resume makes the others",
     "fetch": "the files that are complete are kept, and the same command fetches the others",
 }
 
@@ -550,9 +550,15 @@ def describe(
 
 @app.command(rich_help_panel="Results")
 def convert(
-    results: Results,
+    study: Annotated[
+        str,
+        typer.Argument(
+            metavar="STUDY", help=f"{STUDY_HELP}; with --into, also the file of a model"
+        ),
+    ],
     recordings: Annotated[
-        list[str] | None, typer.Argument(help="some of its recordings; default: all")
+        list[str] | None,
+        typer.Argument(help="some of its recordings; default: all; with --into, files or folders"),
     ] = None,
     format: Annotated[
         Literal["mat", "csv", "mcap"], typer.Option(help="for MATLAB, any program, Foxglove")
@@ -563,14 +569,44 @@ def convert(
             "--output", "-o", help="folder to write to; default: results/<study>/exported"
         ),
     ] = None,
+    into: Annotated[
+        Path | None,
+        typer.Option(help="folder for copies of the files, in their own format, with the force"),
+    ] = None,
+    robot: Annotated[
+        str | None, typer.Option(help="name of the arm, if files are named without a study")
+    ] = None,
+    fit: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PATTERN", help="files without contact to fit to, as 'free*'; default: no fit"
+        ),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="leave copies as they are that are there")
+    ] = False,
 ) -> None:
     """Write signals, motion and forces for MATLAB or Foxglove.
 
-    Currents and bands, too. Example: ur5 convert mine pushed --format mcap
+    Currents and bands, too; with --into, copies of your files with the force in each row, as by
+    ur5 convert mine raw/episodes --into forces. Example: ur5 convert mine pushed --format mcap
     """
-    from ur5lib.commands.convert import write_recordings
+    if into is None:
+        from ur5lib.commands.convert import write_recordings
 
-    print_lines(write_recordings(results, recordings or [], format, output))
+        if robot or fit or resume:
+            raise InputError("--robot, --fit and --resume belong to --into <folder>")
+        print_lines(write_recordings(results_folder(study), recordings or [], format, output))
+        return
+    _use_one_thread()
+    from ur5lib.commands.into import Readers, copies_into
+    from ur5lib.importing.episodes import Episodes
+    from ur5lib.importing.in_memory import read, read_arm
+
+    with signals_interrupt():
+        readers = Readers(read, read_arm, Episodes)
+        named = [study, *(recordings or [])]
+        print_lines(copies_into(into, named, robot, fit or [], resume, readers))
 
 
 @app.command(rich_help_panel="Others")

@@ -89,7 +89,6 @@ WRONG_CALLS = [
     ("import a.csv --write mine.yaml", 2, "ur5 import a.csv --output mine.yaml"),
     ("import a.csv --write=mine.yaml", 2, "ur5 import a.csv --output=mine.yaml"),
     ("convert mine --to csv", 2, "ur5 convert mine --format csv"),
-    ("convert mine --into logs", 2, "ur5 convert mine --output logs"),
     ("export --robot ur5 --to mjcf", 2, "ur5 export --robot ur5 --format mjcf"),
     ("fetch ur10-bag --to raw/x", 2, "ur5 fetch ur10-bag --output raw/x"),
     ("export --robot ur5 --format urfd", 1, "did you mean `urdf`"),

@@ -38,6 +38,7 @@ from ur5lib.importing.spellings import (
     quantity,
     words,
 )
+from ur5lib.recordings.added import is_added
 from ur5lib.recordings.arm_joints import FEWEST_JOINTS
 from ur5lib.recordings.array_files import LOADERS, format_of
 from ur5lib.recordings.channel_files import at_stamps, has_stamps
@@ -290,6 +291,7 @@ def _read(
             findings.clear()
             arrays = LOADERS[format](path, joint_arrays(arrays, stated.joint_names), findings)
         _state_unread(findings, account)
+    arrays = {name: own for name, own in arrays.items() if not is_added(name)}
     arrays = of_prefix(arrays, stated.prefix, path, account) if stated.prefix else arrays
     if stated.joint_names:
         arrays = of_joints(arrays, stated.joint_names, path, account)
@@ -328,6 +330,8 @@ def _state_unread(findings: Iterable[Finding], account: Account) -> None:
     """State in the account which columns the reader left out, and why."""
     for finding in findings:
         for name in finding.channels if finding.code == Found.UNREAD else ():
+            if is_added(name):
+                continue
             why = finding.detail.rpartition(": ")[2]
             account.state("left out", (name,), name, "name", why)
 

@@ -112,14 +112,14 @@ def read(
     if file.suffix in YAML_SUFFIXES and not is_echoed(file):
         if columns or unit or rate or role:
             raise InputError(f"{file} is a study: write columns, units, rates and roles into it")
-        return _recordings(_of_arm(parse_study(read_plain(file), str(file)), stated.robot))
+        return recordings_of(_of_arm(parse_study(read_plain(file), str(file)), stated.robot))
     with TemporaryDirectory() as folder:
         try:
             files = expect_no_study([*as_files(given, Path(folder))])
             imported = import_files(runs_of(files), stated, before.parts)
             expect_all(imported)
             study = _of_arm(_study_of(imported, role, folder), "")
-            runs = _recordings(study)
+            runs = recordings_of(study)
         except InputError as error:
             raise InputError(_in_python(str(error), folder)) from error
         except Exception as error:
@@ -243,7 +243,7 @@ def _of_arm(study: Study, name: str) -> Study:
     return study.model_copy(update={"recordings": kept})
 
 
-def _recordings(study: Study) -> Recordings:
+def recordings_of(study: Study) -> Recordings:
     """Return the recordings of a study, read, with what is found in them."""
     selection = Selection(study)
     arm, files = Files(), {name: Files() for name in selection.entries}

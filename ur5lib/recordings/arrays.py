@@ -36,14 +36,12 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
     Raises InputError when the file lacks an array, or arrays of one clock differ in length.
     """
     path, findings, sensors = recording.path, list[Finding](), recording.sensors()
-    wanted = _wanted([recording, *sensors.values()])
-    arrays = LOADERS[recording.format](path, wanted, findings)
+    arrays = _loaded(recording, [recording, *sensors.values()], findings)
     in_arm_order = {
         f"{channel}_{place}": f"{channel}_{joint - 1}"
         for channel in JOINT_CHANNELS
         for place, joint in enumerate(recording.joints or [])
     }
-    arrays = _with_columns(_on_its_clock(recording, arrays))
     table = _table(recording, arrays, path)
     _expect_listed(recording, table)
     table = table.rename(columns=in_arm_order)
@@ -58,6 +56,22 @@ def read_arrays(recording: ArrayFiles) -> RawRecording:
         if record is not None:
             present[device] = on_robot_clock(record) if shares else record
     return RawRecording(robot, recording.cycle, present, findings)
+
+
+def rows_of_arrays(recording: ArrayFiles) -> pd.DataFrame:
+    """Return all rows of a robot's arrays as they are in the file, `time` [s] among them, NaN where
+    a row has none.
+
+    Raises InputError as `read_arrays` does.
+    """
+    table = _table(recording, _loaded(recording, [recording], []), recording.path)
+    return drop_zeroed(table, [])
+
+
+def _loaded(recording: ArrayFiles, named: Iterable[StoredTable], findings: list[Finding]) -> Arrays:
+    """Return the arrays, and their columns, that a robot and its sensors name in a file."""
+    arrays = LOADERS[recording.format](recording.path, _wanted(named), findings)
+    return _with_columns(_on_its_clock(recording, arrays))
 
 
 def _on_its_clock(recording: ArrayFiles, arrays: Arrays) -> Arrays:

@@ -119,6 +119,15 @@ class TextTable:
         lines = np.arange(above, above + len(table) + len(damaged))
         return table, np.setdiff1d(lines, damaged)[: len(table)] - above  # blank lines are no rows
 
+    @property
+    def delimiter(self) -> bytes:
+        """Return what separates cells."""
+        return self._delimiter
+
+    def above(self, names: list[str] | None) -> int:
+        """Return the number of lines above the rows; names: as of `rows`."""
+        return self._first.count(b"\n", 0, self._form(names)[0])
+
     def _form(self, names: list[str] | None) -> tuple[int, Form]:
         """Return the offset at which the rows begin, and the table's form; names: None for those of
         the header.

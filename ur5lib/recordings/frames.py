@@ -204,6 +204,22 @@ def _stretches(frames: pd.DataFrame, timing: Timing, max_gap: float) -> list[Gri
     return [_stretch(np.arange(*ends), time, timing) for ends in pairwise(bounds)]
 
 
+def grid_times(time: Array, epoch: Labels, period: float, max_gap: float) -> Array:
+    """Return the times [s] at which the grid of `repair_frames` has stamps (N,), between two of its
+    own where steps are no whole periods.
+
+    time: in order [s]; epoch: of each, how often the clock was reset before; period, max_gap: [s].
+    """
+    steps = np.diff(time)[np.diff(epoch) == 0]
+    off = np.abs(steps - period * np.rint(steps / period))
+    share = float(np.mean(off <= MAX_DISTANCE_FROM_GRID * period)) if len(steps) else 1.0
+    whole = share >= MIN_SHARE_ON_GRID and (not len(steps) or np.median(steps) >= period / 2)
+    timing = Timing(period, bool(whole), 0.0, 0.0, 0.0)
+    apart = (np.diff(time) > max_gap + 1.5 * period) | (np.diff(epoch) > 0)
+    parts = np.split(time, np.flatnonzero(apart) + 1)
+    return np.concatenate([part[0] + period * _places(part, timing) for part in parts])
+
+
 def _stretch(rows: Labels, time: Array, timing: Timing) -> GridStretch:
     """Return frames without a split as placed on the grid. rows: their indices; time: of all frames
     [s].

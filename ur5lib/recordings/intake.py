@@ -24,6 +24,7 @@ from ur5lib.channels import (
     meant,
 )
 from ur5lib.errors import InputError, some
+from ur5lib.recordings.added import is_added
 from ur5lib.recordings.copies import fingerprint
 from ur5lib.recordings.counting import at_the_joints, counted_as
 from ur5lib.recordings.entries import Files
@@ -209,10 +210,12 @@ def _known_channels(table: pd.DataFrame, other: bool) -> tuple[pd.DataFrame, lis
     sensor = not other and {*whole} <= {*wrench}
     unread = [name for name in wrench if not sensor or name not in whole]
     others = [name for name in table if not has_unit(name) and name not in unread]
+    added = [name for name in others if is_added(name)]
     unused = list(filter(is_unused, others))
-    nearest = {name: meant(name) for name in others if name not in unused}
+    nearest = {name: meant(name) for name in others if name not in (*unused, *added)}
     misspelt = {name: near for name, near in nearest.items() if near is not None}
-    unknown = [name for name in others if name not in unused and name not in misspelt]
+    known = (*unused, *misspelt, *added)
+    unknown = [name for name in others if name not in known]
     notes: list[Finding] = []
     detail = (
         "ft_f… in the robot's file are taken as the force sensor; assumed: force of the "

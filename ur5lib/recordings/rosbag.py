@@ -106,7 +106,7 @@ def _as_it_is(message: Any) -> Any:
 
 
 @cache
-def _typestore() -> Any:
+def typestore() -> Any:
     """Return the kinds of messages that bags may lack the definitions of."""
     store = get_typestore(Stores.ROS2_HUMBLE)
     for kind, text in DEFINITIONS.items():
@@ -139,7 +139,7 @@ def _read_part(
         with (
             unpacked(path) as plain,
             with_bounded_chunks(path) as unpack,
-            AnyReader([plain], default_typestore=_typestore()) as bag,
+            AnyReader([plain], default_typestore=typestore()) as bag,
         ):
             if wanted is None:
                 others = (c for c in bag.connections if not _is_read(c))
