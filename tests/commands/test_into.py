@@ -1,6 +1,7 @@
 """`ur5 convert --into`: copies of recordings in their own layout, with the force in each row."""
 
 import json
+import shutil
 from collections import defaultdict
 from collections.abc import Callable
 from pathlib import Path
@@ -18,13 +19,19 @@ from rosbags.rosbag2 import Writer as BagWriter
 from rosbags.typesys import Stores, get_typestore
 
 import ur5lib
+from tests.command import Command
 from tests.in_memory import FREE, put_recordings
 from tests.stored_files import JOINTS, WRITERS, Channels, write_bag
-from ur5lib.commands.into import Fit, convert, with_topics
+from ur5lib.commands import copies
+from ur5lib.commands.into import Copier, Fit, with_topics
 from ur5lib.importing.episodes import Episodes
 from ur5lib.recordings.rosbag import typestore
+from ur5lib.robots.description import Robot
+from ur5lib.stand.plan import SimulatedRecording
+from ur5lib.stand.simulate import simulate
 
 Contents = dict[str, Any]  # of a file, by the name of an array, a column, or a topic
+STD = [f"Fmap_std_{part}" for part in ("Fx", "Fy", "Fz", "nx", "ny", "nz")]
 ROWS = 625  # of 5 s; the arm is pushed from 3 s on
 
 
@@ -237,7 +244,7 @@ def test_a_copy_has_all_that_its_original_has_and_the_force(
     before, target = contents(source), tmp_path / "copy" / source.name
     read = Episodes(ur5lib.read_arm("ur5e"))
     runs = read(source)
-    convert(source, target, given, read)
+    Copier(given, read).copy(source, target)
     assert sorted(one.name for one in target.parent.iterdir()) == [target.name]
     after = contents(target)
     for name, own in before.items():
@@ -250,3 +257,95 @@ def test_a_copy_has_all_that_its_original_has_and_the_force(
         np.testing.assert_array_equal(wrenches(target, name), stated.to_numpy())
     assert np.isfinite(wrenches(target, "live")).all()
     assert entry(ur5lib.read(target, "ur5e", role="contact")) == entry(runs)
+
+
+def test_what_an_arm_did_before_is_known_where_files_follow_one_another(
+    ur5e: Robot, given: Fit, tmp_path: Path
+) -> None:
+    """As where all are read together; alone, it is not known how friction begins."""
+    points = [[0.5, -1.6, 1.6, -1.5, 1.5, 0.3], [0.1, -1.2, 1.3, -1.2, 1.2, -0.1]]
+    moves = {"kind": "movej", "pause_s": 0.5, "way_points": points}
+    plan = SimulatedRecording(trajectory=moves, seconds=6.0)
+    simulate(ur5e, plan, "rtde-csv", tmp_path / "raw", tmp_path / "truth")
+    rows = pd.read_csv(tmp_path / "raw" / "robot.csv")[::4]
+    still = np.flatnonzero((rows.filter(like="target_qd_") == 0).all(axis=1))
+    pause = np.split(still, np.flatnonzero(np.diff(still) > 1) + 1)[1]
+    middle = pause[len(pause) // 2]
+    files = [tmp_path / f"part_{k}.csv" for k in (1, 2)]
+    rows[: middle + 1].to_csv(files[0], index=False)
+    rows[middle:].to_csv(files[1], index=False)
+    together = ur5lib.read(files, "ur5e", role="contact")
+    copier = Copier(given, Episodes(ur5lib.read_arm("ur5e")))
+    for path in files:
+        copier.copy(path, tmp_path / "copies" / path.name)
+    copier.copy(files[1], tmp_path / "alone" / "part_2.csv")  # it does not follow itself
+    after, alone = (wrenches(tmp_path / n / "part_2.csv", "Fmap_std") for n in ("copies", "alone"))
+    expected = given.model.estimate(together).loc["part_2", STD].to_numpy()
+    np.testing.assert_array_equal(after, expected)
+    expected = given.model.estimate(ur5lib.read(files[1], "ur5e", role="contact"))[STD].to_numpy()
+    np.testing.assert_array_equal(alone, expected)
+    assert not np.array_equal(after, alone)
+
+
+def test_a_folder_is_copied_and_goes_on_where_it_was_killed(
+    folder: Path, tmp_path: Path, run_ur5: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What cannot be read is named, and left out; what a killed process left is removed."""
+    raw, into = tmp_path / "raw", tmp_path / "copies"
+    rows = pd.read_csv(folder / "pushed.csv")
+    for name in ("day_1/run_1", "day_1/run_2", "day_2/run_1"):
+        (raw / name).parent.mkdir(parents=True, exist_ok=True)
+        rows.to_csv(raw / f"{name}.csv", index=False)
+    (raw / "day_1/torn.h5").write_bytes(b"\x89HDF")
+    (raw / "notes.md").touch()
+    command = "convert", "--robot", "ur5e", "--into", into
+    write, made = copies.write_csv, list[Path]()
+
+    def killed(recording: Any, aside: Path, rows: Any) -> None:
+        write(recording, aside, rows)
+        made.append(aside)
+        if len(made) == 2:
+            aside.rename(aside.with_name(".run_2.csv.1-0.part"))
+            raise KeyboardInterrupt
+
+    monkeypatch.setitem(copies.WRITERS, ".csv", killed)
+    answer = run_ur5(*command, raw)
+    assert answer.status == 130
+    assert "--resume makes the others" in answer.err
+    assert (into / "day_1/.run_2.csv.1-0.part").exists()
+    assert not (into / "day_1/run_2.csv").exists()
+    first = (into / "day_1/run_1.csv").stat().st_mtime_ns
+    monkeypatch.setitem(copies.WRITERS, ".csv", write)
+    assert "go on with --resume" in run_ur5(*command, raw).err
+    answer = run_ur5(*command, "--resume", raw)
+    assert answer.status == 1
+    assert "2 copies, 1 were there" in answer.out
+    assert "no fit" in answer.out
+    assert f"left out: 1 {raw / 'day_1/torn.h5'}" in answer.line
+    assert (into / "day_1/run_1.csv").stat().st_mtime_ns == first
+    found = sorted(path.relative_to(into) for path in into.rglob("*") if path.is_file())
+    expected = ["day_1/run_1.csv", "day_1/run_2.csv", "day_2/run_1.csv", "ur5lib.json"]
+    assert found == [*map(Path, expected)]
+    (raw / "day_1/torn.h5").unlink()
+    assert "3 were there" in run_ur5(*command, "--resume", raw).out
+    answer = run_ur5(*command[:-1], into, "--resume", "--fit", "run_2*", raw)
+    assert "has copies with the study 'no fit" in answer.err
+
+
+def test_a_wrong_call_changes_nothing(folder: Path, tmp_path: Path, run_ur5: Command) -> None:
+    source, into = tmp_path / "run.csv", tmp_path / "copies"
+    shutil.copy(folder / "pushed.csv", source)
+    before = source.read_bytes()
+    for words, answer in [
+        (("--robot", "ur5e", "--into", tmp_path, source), "would be replaced"),
+        (("--into", into, source), "or the arm by --robot"),
+        (("--robot", "ur5e", "--into", into, "--fit", "no*", source), "none of 1 file matches"),
+        (("--robot", "ur5e", "--into", into, tmp_path / "no.csv"), "does not exist"),
+        (("--robot", "ur5e", "--into", into, source, folder / "run.mat"), "does not exist"),
+        (("--robot", "ur5e", source), "belong to --into"),
+    ]:
+        told = run_ur5("convert", *words)
+        assert told.status == 1
+        assert answer in told.err
+    assert source.read_bytes() == before
+    assert [*tmp_path.iterdir()] == [source]

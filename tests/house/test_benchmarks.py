@@ -52,6 +52,7 @@ OF_A_BUILT_STUDY = {
 }  # in tests/artefacts/test_demo.py
 OF_PUBLIC_RECORDINGS = {  # folder in ../shared, and what each prints at least
     "choice": ("ur10e", ["| cut-off [Hz] | terms |", "| 1 | velocity_root |"]),
+    "episodes": ("ur10e", ["were kept: 2 of 2", "all data and the force: 8 of 8; parts left: []"]),
     "published_friction": ("staubli-tx40", ["| joint 6 | rotor", "With it, the residual"]),
 }
 

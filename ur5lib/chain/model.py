@@ -412,16 +412,20 @@ class Model(Estimator, Shown):
         return moving
 
     def _run(
-        self, recordings: Recordings, accept: Mapping[str, str] | None, *steps: str
+        self,
+        recordings: Recordings,
+        accept: Mapping[str, str] | None,
+        *steps: str,
+        before: Mapping[str, Files] | None = None,
     ) -> dict[str, Files]:
-        """Return by name the files of the recordings in motion after some steps; raises as
-        `estimate`.
+        """Return by name the files of the recordings in motion after some steps; before: files of
+        others that they follow; raises as `estimate`.
         """
         recordings = as_recordings(recordings)._accepting(accept)
         self._expect_arm_of(recordings)
         study = recordings._study.model_copy(update={"settings": self._settings})
         made = recordings._chain(study)
-        chain = replace(made, arm=self._arm, several=self._fitted)
+        chain = replace(made, arm=self._arm, several={**self._fitted, **(before or {})})
         moving = {name: own for name, own in made.recordings.items() if "robot" in own}
         if not moving:
             raise InputError(

@@ -279,6 +279,10 @@ class Recordings(Shown):
         ]
         return self._of(entries)
 
+    def _with(self, **changes: object) -> Recordings:
+        """Return the recordings with changes to their entries."""
+        return self._of([one.model_copy(update=changes) for one in self._study.recordings])
+
     def _of(self, entries: Sequence[Recording]) -> Recordings:
         """Return the recordings that have one of some entries in their study."""
         study = self._study.model_copy(update={"recordings": entries})

@@ -33,6 +33,7 @@ from ur5lib.study.turn import reserved
 from ur5lib.tables import write_json
 from ur5lib.workspace.topics import modules_of_topics
 
+LAST = "the file before"  # name of the recording that one follows, in `after` of its entry
 ABOUT_FILE = "ur5lib.json"  # in the folder of copies
 STEPS = ("estimate_load", "predict_currents", "estimate_forces")
 MOST_TRIED = 10  # files, until one can be read
@@ -87,6 +88,8 @@ def is_fit(address: str) -> bool:
     path = Path(address)
     if path.is_dir():
         return (path / "configuration.yaml").is_file()
+    if path.suffix and path.suffix.lower() in WRITERS:
+        return False
     return path.suffix == ".json" or is_study(address)
 
 
@@ -230,12 +233,12 @@ def copied(
                 f"{targets[min(there)]} exists; go on with --resume, or name another folder"
             )
         _expect_same(into, given)
-        left, columns = dict[Path, str](), dict[str, Any]()
+        copier, left, columns = Copier(given, read), dict[Path, str](), dict[str, Any]()
         with bar(len(targets) - len(there)) as advance:
             for own in (one for one in targets if one not in there):
                 advance(own.name)
                 try:
-                    columns |= convert(own, targets[own], given, read)
+                    columns |= copier.copy(own, targets[own])
                 except InputError as error:
                     left[own] = str(error)
                 except Exception as error:  # so that the others are made
@@ -271,26 +274,33 @@ def _expect_same(into: Path, given: Fit) -> None:
             )
 
 
-def convert(own: Path, target: Path, given: Fit, read: Read) -> dict[str, Any]:
-    """Write the copy of one file, and return the columns that were added.
+class Copier:
+    """Writes copies of files, one after the other: one may follow directly on the last one."""
 
-    Raises InputError where it cannot be read, or no force is stated.
-    """
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", RecordingWarning)
-        runs = read(own)
-        entries = {one.name: one for one in runs._study.recordings}
-        steps = *STEPS, *(one.STEP for one in given.causal)
-        parts = [
-            on_rows(entries[name], files, given)
-            for name, files in given.model._run(runs, None, *steps).items()
-        ]
-    told = {str(one.message) for one in caught if issubclass(one.category, RecordingWarning)}
-    remarks = {"remarks": "; ".join(sorted(told))} if told else {}
-    first = next(iter(entries.values()))
-    added = merged(parts, first.path)
-    write_copy(first, target, added, given.about | remarks)
-    return described(added)
+    def __init__(self, given: Fit, read: Read) -> None:
+        self.given, self.read = given, read
+        self._last = dict[str, Files]()
+
+    def copy(self, own: Path, target: Path) -> dict[str, Any]:
+        """Write the copy of one file, and return the columns that were added.
+
+        Raises InputError where it cannot be read, or no force is stated.
+        """
+        last, self._last = self._last, {}
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", RecordingWarning)
+            runs = self.read(own)
+            entries = {one.name: one for one in runs._study.recordings}
+            steps = *STEPS, *(one.STEP for one in self.given.causal)
+            found = self.given.model._run(runs, None, *steps, before=last)
+            parts = [on_rows(entries[name], files, self.given) for name, files in found.items()]
+        told = {str(one.message) for one in caught if issubclass(one.category, RecordingWarning)}
+        remarks = {"remarks": "; ".join(sorted(told))} if told else {}
+        first = next(iter(entries.values()))
+        added = merged(parts, first.path)
+        write_copy(first, target, added, self.given.about | remarks)
+        self._last = {LAST: {"motion": next(reversed(found.values()))["motion"]}}
+        return described(added)
 
 
 def on_rows(recording: Recording, files: Files, given: Fit) -> list[Added]:

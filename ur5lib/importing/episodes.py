@@ -2,24 +2,37 @@
 
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
+
 from ur5lib.chain.recordings import Arm, Recordings
+from ur5lib.commands.into import LAST
 from ur5lib.errors import InputError
+from ur5lib.importing.after import Ends, links
 from ur5lib.importing.entry import place_of_file
 from ur5lib.importing.in_memory import read, recordings_of
+from ur5lib.jobs.memory import record_of
+from ur5lib.records.quality import Quality
 from ur5lib.study.model import Recording, Study
 
+COMPARED = 50  # files, in which no other may begin or end as near
 HEAD_BYTES = 1 << 16  # of a table, which have the line of its columns
 
 
 class Episodes:
-    """Reads files of an arm; known: entries of files that a study has, which stay as they are."""
+    """Reads files of an arm, in order; known: entries of files that a study has, which stay as they
+    are.
+
+    Where one is proven to follow the last one (`importing.after`), `after` of its entry is LAST.
+    """
 
     def __init__(self, arm: Arm, known: Iterable[Recording] = ()) -> None:
         self.arm = arm
         self._forms = dict[bytes, Study]()
         self._known = {one.path.resolve(): one for one in known}
+        self._ends = dict[str, Ends]()  # of the last files, by their paths
 
     def __call__(self, path: Path) -> Recordings:
         """Return the recording, or recordings, of a file; something may touch the arm there.
@@ -28,16 +41,33 @@ class Episodes:
         """
         if (entry := self._known.get(path.resolve())) is not None:
             return recordings_of(_study([entry]))
+        runs = self._read(path)
+        follows = len(runs) == 1 and self._follows(path, runs)
+        return runs._with(after=LAST) if follows else runs
+
+    def _read(self, path: Path) -> Recordings:
         form = _form_of(path)
         if form in self._forms:
-            try:
+            with suppress(InputError):  # another form with the same beginning
                 return recordings_of(_moved(self._forms[form], path))
-            except InputError:  # another form with the same beginning
-                pass
         runs = read(path, self.arm, role="contact")
         if len(runs) == 1:
             self._forms.setdefault(form, runs._study)
         return runs
+
+    def _follows(self, path: Path, runs: Recordings) -> bool:
+        """Return whether a recording follows that of the last file, and keep its ends."""
+        last, self._ends[str(path)] = next(reversed(self._ends), ""), _ends_of(path, runs)
+        self._ends = dict([*self._ends.items()][-COMPARED:])
+        link = links(self._ends).get(str(path))
+        return link is not None and link.before == last
+
+
+def _ends_of(path: Path, runs: Recordings) -> Ends:
+    q, quality = runs.q.to_numpy(), record_of(Quality, runs._files[runs.names[0]]["quality"])
+    began = np.nan if quality.start_epoch_s is None else quality.start_epoch_s
+    stem = re.sub(r"\.\w+$", "", str(path))
+    return Ends(stem, q[0], q[-1], began, began + quality.duration_s)
 
 
 def _study(entries: list[Recording]) -> Study:
