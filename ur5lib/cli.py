@@ -582,6 +582,12 @@ def convert(
             metavar="PATTERN", help="files without contact to fit to, as 'free*'; default: no fit"
         ),
     ] = None,
+    accept: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="KIND=REASON", help="why a stop sign is overruled; the copies have the reason"
+        ),
+    ] = None,
     resume: Annotated[
         bool, typer.Option("--resume", help="leave copies as they are that are there")
     ] = False,
@@ -594,8 +600,8 @@ def convert(
     if into is None:
         from ur5lib.commands.convert import write_recordings
 
-        if robot or fit or resume:
-            raise InputError("--robot, --fit and --resume belong to --into <folder>")
+        if robot or fit or accept or resume:
+            raise InputError("--robot, --fit, --accept and --resume belong to --into <folder>")
         print_lines(write_recordings(results_folder(study), recordings or [], format, output))
         return
     _use_one_thread()
@@ -606,7 +612,8 @@ def convert(
     with signals_interrupt():
         readers = Readers(read, read_arm, Episodes)
         named = [study, *(recordings or [])]
-        print_lines(copies_into(into, named, robot, fit or [], resume, readers))
+        asked = named, robot, fit or [], accept or []
+        print_lines(copies_into(into, *asked, resume, readers))
 
 
 @app.command(rich_help_panel="Others")

@@ -20,7 +20,7 @@ from rosbags.typesys import Stores, get_typestore
 
 import ur5lib
 from tests.command import Command
-from tests.in_memory import FREE, put_recordings
+from tests.in_memory import FREE, put_recordings, simulated
 from tests.stored_files import JOINTS, WRITERS, Channels, write_bag
 from ur5lib.commands import copies
 from ur5lib.commands.into import Copier, Fit, with_topics
@@ -29,6 +29,8 @@ from ur5lib.recordings.rosbag import typestore
 from ur5lib.robots.description import Robot
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
+from ur5lib.tables import read_table
+from ur5lib.timeseries.metrics import NORMAL95
 
 Contents = dict[str, Any]  # of a file, by the name of an array, a column, or a topic
 STD = [f"Fmap_std_{part}" for part in ("Fx", "Fy", "Fz", "nx", "ny", "nz")]
@@ -342,6 +344,7 @@ def test_a_wrong_call_changes_nothing(folder: Path, tmp_path: Path, run_ur5: Com
         (("--robot", "ur5e", "--into", into, "--fit", "no*", source), "none of 1 file matches"),
         (("--robot", "ur5e", "--into", into, tmp_path / "no.csv"), "does not exist"),
         (("--robot", "ur5e", "--into", into, source, folder / "run.mat"), "does not exist"),
+        (("--robot", "ur5e", "--into", into, "--accept", "order", source), "a kind and why"),
         (("--robot", "ur5e", source), "belong to --into"),
     ]:
         told = run_ur5("convert", *words)
@@ -349,3 +352,37 @@ def test_a_wrong_call_changes_nothing(folder: Path, tmp_path: Path, run_ur5: Com
         assert answer in told.err
     assert source.read_bytes() == before
     assert [*tmp_path.iterdir()] == [source]
+
+
+@pytest.mark.parametrize("fitted", [True, False], ids=["fit", "no fit"])
+def test_bands_have_the_true_force_and_nothing_else_is_a_contact(
+    fitted: bool, folder: Path, given: Fit, tmp_path: Path
+) -> None:
+    """Of a simulated arm, also where nothing without contact was recorded."""
+    read = Episodes(ur5lib.read_arm("ur5e"))
+    files = [folder / name for name in ("pushed.csv", "free2.csv")]
+    used = given if fitted else with_topics(ur5lib.fit(read(files[0])), "no fit")
+    copier = Copier(used, read)
+    for path in files:
+        copier.copy(path, tmp_path / path.name)
+        truth = read_table(Path(simulated().name) / path.stem / "truth.parquet")
+        time = pd.read_csv(path)["timestamp"].to_numpy()
+        true = truth[[f"wrench_{k}" for k in range(6)]].to_numpy()
+        own = truth["time"].to_numpy()
+        force = np.array([np.interp(time - time[0], own, column) for column in true.T]).T
+        estimates = ("Fmap", "live") if fitted else ("Fmap",)
+        for name in estimates:
+            touched = force.any(axis=1)
+            wrench, std = (wrenches(tmp_path / path.name, n) for n in (name, f"{name}_std"))
+            stated = contents(tmp_path / path.name)[f"ur5lib_contact_{name}"] == "1"
+            assert not stated[~near(touched)].any()
+            if touched.any():
+                assert stated[touched].any()
+                within = np.abs(wrench - force)[touched] <= NORMAL95 * std[touched]
+                assert within.mean() >= 0.9
+    assert ("ur5lib_live_Fx" in contents(tmp_path / "pushed.csv")) == fitted
+
+
+def near(touched: np.ndarray) -> np.ndarray:
+    """Where there is a contact within a fifth of a second."""
+    return np.convolve(touched, np.ones(51), "same") > 0

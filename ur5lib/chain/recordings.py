@@ -20,7 +20,7 @@ from ur5lib.channels import (
     columns,
 )
 from ur5lib.errors import InputError, briefly, expect_known, expect_text, perhaps, printable, some
-from ur5lib.jobs.memory import Content
+from ur5lib.jobs.memory import Content, record_of
 from ur5lib.records.account import AccountRow
 from ur5lib.records.quality import Finding, Quality
 from ur5lib.robots.description import Robot
@@ -278,6 +278,11 @@ class Recordings(Shown):
             for one in self._study.recordings
         ]
         return self._of(entries)
+
+    def _timing(self, name: str) -> Quality:
+        """Return timing and findings of a recording's file, as they were read."""
+        quality: Quality = record_of(Quality, self._files[name]["quality"])
+        return quality
 
     def _with(self, **changes: object) -> Recordings:
         """Return the recordings with changes to their entries."""

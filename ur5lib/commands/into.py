@@ -55,14 +55,16 @@ def copies_into(
     named: Sequence[str],
     robot: str | None,
     patterns: Sequence[str],
+    accept: Sequence[str],
     resume: bool,
     readers: Readers,
 ) -> Iterator[str]:
     """Copy recordings with the force in each row, and yield lines on what was made.
 
     named: a study, or the file of a model, and then files and folders; or these alone, with the
-    robot's name, and patterns of those to which nothing is touched, for a fit. Raises InputError
-    for what cannot be read, at the end where others could.
+    robot's name, and patterns of those that nothing touches, for a fit; accept: `kind=reason`s for
+    which stop signs are overruled. Raises InputError for what cannot be read, at the end where
+    others could.
     """
     first, *others = named
     by_study = is_fit(first)
@@ -73,14 +75,23 @@ def copies_into(
         raise InputError("--fit names files to fit to in place of a study; leave one of them out")
     if not by_study and robot is None:
         raise InputError(f"{first} is no study: name one before it, or the arm by --robot")
-    targets = episodes_in(files, into)
+    targets, reasons = episodes_in(files, into), reasons_of(accept)
     given = (
         with_topics(*model_of(first, robot))
         if by_study
-        else own_fit(str(robot), [*targets], patterns, readers)
+        else own_fit(str(robot), [*targets], patterns, reasons, readers)
     )
+    given = replace(given, accepted=reasons)
     read = readers.of_episodes(readers.arm(given.model.robot), given.entries)
     yield from copied(targets, into, given, read, resume)
+
+
+def reasons_of(accept: Sequence[str]) -> dict[str, str]:
+    """Return the reasons by kind. Raises InputError for one that is no `kind=reason`."""
+    pairs = [one.partition("=") for one in accept]
+    if bare := [kind for kind, _, why in pairs if not why.strip()]:
+        raise InputError(f'--accept {some(bare)}: write a kind and why, as constants="calibrated"')
+    return {kind: why for kind, _, why in pairs}
 
 
 def is_fit(address: str) -> bool:
@@ -98,19 +109,21 @@ class Fit:
     """What forces are estimated with: a model, with the results of steps that topics added.
 
     by: what it was fitted to, in words; entries: of files as its study has them; causal: modules of
-    topics with further estimates.
+    topics with further estimates; accepted: reasons to overrule stop signs, by their kind.
     """
 
     model: Model
     by: str
     entries: Sequence[Recording] = ()
-    causal: Sequence[Any] = field(default_factory=list)
+    causal: Sequence[Any] = ()
+    accepted: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def about(self) -> dict[str, str]:
         """Return what the estimates are, for a file's attributes."""
         told = {"study": self.by, "robot": self.model.robot, "frame": FRAME}
-        return told | {"version": __version__}
+        accepted = {f"accepted {kind}": why for kind, why in self.accepted.items()}
+        return told | {"version": __version__} | accepted
 
 
 def model_of(address: str, robot: str | None) -> tuple[Model, str, Sequence[Recording]]:
@@ -144,14 +157,20 @@ def with_topics(model: Model, by: str, entries: Sequence[Recording] = ()) -> Fit
     return Fit(whole, by, entries, causal)
 
 
-def own_fit(robot: str, files: Sequence[Path], patterns: Sequence[str], readers: Readers) -> Fit:
+def own_fit(
+    robot: str,
+    files: Sequence[Path],
+    patterns: Sequence[str],
+    accept: Mapping[str, str],
+    readers: Readers,
+) -> Fit:
     """Return the fit to those of some files that match patterns; without patterns, none.
 
     Raises InputError where none matches, or none can be read.
     """
     arm = readers.arm(robot)
     if not patterns:
-        model = fit(_first_readable(files, readers.of_episodes(arm, ())))
+        model = fit(_first_readable(files, readers.of_episodes(arm, ())), accept)
         taken = model._friction.fit.joints
         return with_topics(model, f"no fit: {'friction of other arms' if taken else 'arm at rest'}")
     named = [
@@ -162,7 +181,7 @@ def own_fit(robot: str, files: Sequence[Path], patterns: Sequence[str], readers:
     if not named:
         raise InputError(f"--fit {some(patterns)}: none of {counted(len(files), 'file')} matches")
     runs = readers.read(named, arm, "fit")
-    return with_topics(fit(runs), f"fit to {some(runs.names, 4)}", runs._study.recordings)
+    return with_topics(fit(runs, accept), f"fit to {some(runs.names, 4)}", runs._study.recordings)
 
 
 def _first_readable(files: Sequence[Path], read: Read) -> Recordings:
@@ -292,7 +311,7 @@ class Copier:
             runs = self.read(own)
             entries = {one.name: one for one in runs._study.recordings}
             steps = *STEPS, *(one.STEP for one in self.given.causal)
-            found = self.given.model._run(runs, None, *steps, before=last)
+            found = self.given.model._run(runs, self.given.accepted, *steps, before=last)
             parts = [on_rows(entries[name], files, self.given) for name, files in found.items()]
         told = {str(one.message) for one in caught if issubclass(one.category, RecordingWarning)}
         remarks = {"remarks": "; ".join(sorted(told))} if told else {}
@@ -312,7 +331,10 @@ def on_rows(recording: Recording, files: Files, given: Fit) -> list[Added]:
     added = [*offline(files, thresholds)]
     added += chain.from_iterable(topic.channels(files) for topic in given.causal)
     if not added:
-        raise InputError(f"{recording.path}: no force is stated, as no effort was recorded")
+        friction = given.model._friction
+        refused = friction.stopped or friction.refused
+        why = refused.sentence() if refused else "no effort was recorded, or slower than in the fit"
+        raise InputError(f"{recording.path}: no force is stated: {why}")
     time, quality = record_of(Forces, files["forces"]).time, record_of(Quality, files["quality"])
     max_gap = given.model._settings.frames.max_gap_s
     samples = samples_of_rows(recording, time, quality.period_s, max_gap)

@@ -13,8 +13,6 @@ from ur5lib.errors import InputError
 from ur5lib.importing.after import Ends, links
 from ur5lib.importing.entry import place_of_file
 from ur5lib.importing.in_memory import read, recordings_of
-from ur5lib.jobs.memory import record_of
-from ur5lib.records.quality import Quality
 from ur5lib.study.model import Recording, Study
 
 COMPARED = 50  # files, in which no other may begin or end as near
@@ -64,7 +62,7 @@ class Episodes:
 
 
 def _ends_of(path: Path, runs: Recordings) -> Ends:
-    q, quality = runs.q.to_numpy(), record_of(Quality, runs._files[runs.names[0]]["quality"])
+    q, quality = runs.q.to_numpy(), runs._timing(runs.names[0])
     began = np.nan if quality.start_epoch_s is None else quality.start_epoch_s
     stem = re.sub(r"\.\w+$", "", str(path))
     return Ends(stem, q[0], q[-1], began, began + quality.duration_s)
