@@ -23,7 +23,10 @@ from tests.command import Command
 from tests.in_memory import FREE, put_recordings, simulated
 from tests.stored_files import JOINTS, WRITERS, Channels, write_bag
 from ur5lib.commands import copies
+from ur5lib.commands.copies import write_copy
+from ur5lib.commands.exported_model import results_of
 from ur5lib.commands.into import Copier, Fit, with_topics
+from ur5lib.errors import InputError
 from ur5lib.importing.episodes import Episodes
 from ur5lib.recordings.rosbag import typestore
 from ur5lib.robots.description import Robot
@@ -49,7 +52,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def given(folder: Path) -> Fit:
     free = ur5lib.read([folder / name for name in FREE], "ur5e")
-    return with_topics(ur5lib.fit(free), "fit to free1, free2")
+    return with_topics(ur5lib.fit(free), "fit to free1, free2", free._study.recordings)
 
 
 def channels_of(table: pd.DataFrame) -> Channels:
@@ -87,6 +90,14 @@ def put_lists(folder: Path, table: pd.DataFrame) -> Path:
     own = {f"observation.{n}": [*rows] for n, rows in channels_of(table).items()}
     pd.DataFrame(named | own).to_parquet(folder / "run.parquet")
     return folder / "run.parquet"
+
+
+def put_episodes(folder: Path, table: pd.DataFrame) -> Path:
+    """Two episodes in one file, each a recording of its own."""
+    path = put_lists(folder, table)
+    whole = pd.read_parquet(path)
+    whole.assign(episode_index=np.arange(len(whole)) // (len(whole) // 2 + 1)).to_parquet(path)
+    return path
 
 
 def put_bag_folder(folder: Path, table: pd.DataFrame) -> Path:
@@ -141,6 +152,7 @@ PUT: dict[str, Callable[[Path, pd.DataFrame], Path]] = {
     "npz": put_stored("npz"),
     "parquet": put_stored("parquet"),
     "lists": put_lists,
+    "episodes": put_episodes,
     "db3": put_stored("rosbag"),
     "bag": put_bag_folder,
     "mcap": put_stored("rosbag mcap"),
@@ -258,7 +270,10 @@ def test_a_copy_has_all_that_its_original_has_and_the_force(
         stated = forces[[f"{name}_{part}" for part in ("Fx", "Fy", "Fz", "nx", "ny", "nz")]]
         np.testing.assert_array_equal(wrenches(target, name), stated.to_numpy())
     assert np.isfinite(wrenches(target, "live")).all()
-    assert entry(ur5lib.read(target, "ur5e", role="contact")) == entry(runs)
+    again = ur5lib.read(target, "ur5e", role="contact")
+    assert entry(again) == entry(runs)
+    with pytest.raises(InputError, match="copy its original"):
+        write_copy(again._study.recordings[0], tmp_path / "again", [], {"version": ""})
 
 
 def test_what_an_arm_did_before_is_known_where_files_follow_one_another(
@@ -352,6 +367,46 @@ def test_a_wrong_call_changes_nothing(folder: Path, tmp_path: Path, run_ur5: Com
         assert answer in told.err
     assert source.read_bytes() == before
     assert [*tmp_path.iterdir()] == [source]
+
+
+def test_a_study_estimates_as_its_model_does_and_reads_its_files_as_it_says(
+    folder: Path, given: Fit, tmp_path: Path, run_ur5: Command
+) -> None:
+    """A recording of the fit is estimated by the fit without its path."""
+    files = [folder / name for name in ("pushed.csv", FREE[0])]
+    copier = Copier(given, Episodes(ur5lib.read_arm("ur5e"), given.entries))
+    for path in files:
+        copier.copy(path, tmp_path / "by_model" / path.name)
+    with results_of(given.model, "live") as results:
+        answer = run_ur5("convert", results, *files, "--into", tmp_path / "by_study")
+        assert answer.status == 0, answer.err
+        study = ur5lib.load(results)
+        forces = study.model("ur5e").estimate(ur5lib.read(files[0], "ur5e", role="contact"))
+    for path in files:
+        one, other = (contents(tmp_path / by / path.name) for by in ("by_model", "by_study"))
+        np.testing.assert_equal(one, other)
+    np.testing.assert_array_equal(
+        wrenches(tmp_path / "by_study" / "pushed.csv", "Fmap_std"), forces[STD].to_numpy()
+    )
+
+
+def test_the_load_of_a_gripper_may_be_another_in_each_file(
+    ur5e: Robot, given: Fit, tmp_path: Path
+) -> None:
+    """What is held throughout is taken off, and said; it is no contact."""
+    copier, read = Copier(given, Episodes(ur5lib.read_arm("ur5e"))), dict[str, Contents]()
+    for name, load in {"empty": None, "loaded": {"mass": 2.5}}.items():
+        moves = {"kind": "fourier", "draw": 3, "period_s": 10}
+        plan = SimulatedRecording(trajectory=moves, seconds=10.0, undeclared_payload=load)
+        simulate(ur5e, plan, "rtde-csv", tmp_path / name, tmp_path / f"{name}.truth")
+        rows = pd.read_csv(tmp_path / name / "robot.csv")[::4]
+        source, target = PUT["npz"](tmp_path / name, rows), tmp_path / "copies" / f"{name}.npz"
+        copier.copy(source, target)
+        read[name] = contents(target)
+        assert not read[name]["ur5lib/contact_Fmap"].any()
+    about = {name: json.loads(str(own["ur5lib/about"])) for name, own in read.items()}
+    assert "remarks" not in about["empty"]
+    assert "kg" in about["loaded"]["remarks"]
 
 
 @pytest.mark.parametrize("fitted", [True, False], ids=["fit", "no fit"])

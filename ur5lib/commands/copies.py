@@ -6,7 +6,7 @@ import os
 import shutil
 import struct
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,7 +24,7 @@ from rosbags.rosbag2 import Writer as BagWriter
 
 from ur5lib.commands.added import Added, described
 from ur5lib.errors import InputError
-from ur5lib.recordings.added import GROUP
+from ur5lib.recordings.added import GROUP, is_added
 from ur5lib.recordings.array_files import LOADERS, Arrays
 from ur5lib.recordings.delimited import TextTable
 from ur5lib.recordings.entries import Files, expand
@@ -66,10 +66,17 @@ class Rows(NamedTuple):
         return rows
 
 
+def _expect_original(recording: Files, names: Iterable[str]) -> None:
+    """Raise InputError where a file has estimates already; names: of all that it has."""
+    if any(map(is_added, names)):
+        raise InputError(f"{recording.path} is a copy with estimates already; copy its original")
+
+
 def write_hdf5(recording: Files, aside: Path, rows: Rows) -> None:
     """Add a group with an array for each value, with its unit, and what they are, as attributes."""
     shutil.copyfile(recording.path, aside)
     with h5py.File(aside, "r+") as file:
+        _expect_original(recording, file)
         group = file.create_group(GROUP)
         group.attrs.update(rows.about)
         for one in rows.added:
@@ -85,6 +92,7 @@ def write_npz(recording: Files, aside: Path, rows: Rows) -> None:
     told = json.dumps({**rows.about, "columns": described(rows.added)})
     arrays = {one.name: one.values for one in rows.added} | {"about": np.array(told)}
     with ZipFile(aside, "a", ZIP_DEFLATED) as archive:
+        _expect_original(recording, archive.namelist())
         for name, values in arrays.items():
             with archive.open(f"{GROUP}/{name}.npy", "w") as file:
                 np.lib.format.write_array(file, values, allow_pickle=False)
@@ -93,6 +101,7 @@ def write_npz(recording: Files, aside: Path, rows: Rows) -> None:
 def write_parquet(recording: Files, aside: Path, rows: Rows) -> None:
     """Add columns, of lists where the table has lists; unit and meaning are their metadata."""
     with pq.ParquetFile(recording.path) as file:
+        _expect_original(recording, file.schema_arrow.names)
         before, listed = file.schema_arrow, any(map(_is_list, file.schema_arrow.types))
         arrays = _listed(rows) if listed else _single(rows)
         fields = [pa.field(name, one.type, metadata=own) for name, (one, own) in arrays.items()]
@@ -145,6 +154,7 @@ def write_csv(recording: Files, aside: Path, rows: Rows) -> None:
     text, named = TextTable(Log(recording.path, "robot", findings)), rows.columns()
     if changed := [one.detail for one in findings if one.code in OTHERWISE_READ]:
         raise InputError(f"{recording.path}: {changed[0]}; no copy is made of such a table")
+    _expect_original(recording, text.cells)
     stated = getattr(recording, "columns", None)
     above, mark = text.above(None if stated is None else expand(stated)), text.delimiter
     lines = recording.path.read_bytes().split(b"\n")
@@ -180,6 +190,7 @@ def write_mcap(recording: Files, aside: Path, rows: Rows) -> None:
         reader, writer = make_reader(read), Writer(written)
         writer.start(reader.get_header().profile, f"{GROUP} {rows.about['version']}")
         topics = _same_channels(reader, writer)
+        _expect_original(recording, _topics_of(reader))
         for _, channel, one in reader.iter_messages(log_time_order=False):
             writer.add_message(
                 topics[channel.id], one.log_time, one.data, one.publish_time, one.sequence
@@ -199,6 +210,11 @@ def write_mcap(recording: Files, aside: Path, rows: Rows) -> None:
             writer.add_metadata(told.name, told.metadata)
         writer.add_metadata(GROUP, dict(rows.about))
         writer.finish()
+
+
+def _topics_of(reader: McapReader) -> list[str]:
+    summary = reader.get_summary()
+    return [one.topic for one in summary.channels.values()] if summary else []
 
 
 def _same_channels(reader: McapReader, writer: Writer) -> dict[int, int]:
@@ -271,6 +287,7 @@ def write_bag(recording: Files, aside: Path, rows: Rows) -> None:
         with ExitStack() as open_files:
             bag = open_files.enter_context(AnyReader([source], default_typestore=typestore()))
             writer = open_files.enter_context(BagWriter(folder, version=9, storage_plugin=plugin))
+            _expect_original(recording, (one.topic for one in bag.connections))
             for name, text in rows.about.items():
                 writer.set_custom_data(f"{GROUP}.{name}", text)
             topics = {one.id: _connection(writer, one) for one in bag.connections}

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -20,12 +19,13 @@ from ur5lib.chain.shown import bar, counted
 from ur5lib.chain.steps import Files
 from ur5lib.commands.added import FRAME, QUALITY_OF, UNKNOWN, Added, described, offline
 from ur5lib.commands.copies import WRITERS, ending_of, write_copy
-from ur5lib.errors import InputError, RecordingWarning, fault_of_ours, some, unknown
+from ur5lib.errors import InputError, fault_of_ours, some, unknown
 from ur5lib.finished import StudyFiles
 from ur5lib.jobs.memory import record_of
 from ur5lib.recordings.bag_files import ENDINGS_IN_FOLDER
 from ur5lib.recordings.file_rows import samples_of_rows
 from ur5lib.records.forces import Forces
+from ur5lib.records.prediction import Prediction, held_throughout
 from ur5lib.records.quality import Quality
 from ur5lib.study.address import is_study, results_folder
 from ur5lib.study.model import Recording
@@ -36,6 +36,10 @@ from ur5lib.workspace.topics import modules_of_topics
 LAST = "the file before"  # name of the recording that one follows, in `after` of its entry
 ABOUT_FILE = "ur5lib.json"  # in the folder of copies
 STEPS = ("estimate_load", "predict_currents", "estimate_forces")
+NO_FORCE = (
+    "it has no efforts, no half second without a gap, or steps longer than those of the fit; or, "
+    "without a fit, a hand leads the arm"
+)
 MOST_TRIED = 10  # files, until one can be read
 Read = Callable[[Path], Recordings]
 
@@ -306,20 +310,25 @@ class Copier:
         Raises InputError where it cannot be read, or no force is stated.
         """
         last, self._last = self._last, {}
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", RecordingWarning)
-            runs = self.read(own)
-            entries = {one.name: one for one in runs._study.recordings}
-            steps = *STEPS, *(one.STEP for one in self.given.causal)
-            found = self.given.model._run(runs, self.given.accepted, *steps, before=last)
-            parts = [on_rows(entries[name], files, self.given) for name, files in found.items()]
-        told = {str(one.message) for one in caught if issubclass(one.category, RecordingWarning)}
-        remarks = {"remarks": "; ".join(sorted(told))} if told else {}
+        runs = self.read(own)
+        entries = {one.name: one for one in runs._study.recordings}
+        steps = *STEPS, *(one.STEP for one in self.given.causal)
+        found = self.given.model._run(runs, self.given.accepted, *steps, before=last)
+        parts = [on_rows(entries[name], files, self.given) for name, files in found.items()]
+        told = [load for files in found.values() if (load := taken_load(files))]
+        remarks = {"remarks": "; ".join(told)} if told else {}
         first = next(iter(entries.values()))
         added = merged(parts, first.path)
         write_copy(first, target, added, self.given.about | remarks)
         self._last = {LAST: {"motion": next(reversed(found.values()))["motion"]}}
         return described(added)
+
+
+def taken_load(files: Files) -> str:
+    """Return in words the load that was held throughout a recording and taken off, "" for none."""
+    load = record_of(Prediction, files["prediction"]).load
+    taken = load is not None and load.taken
+    return f"{held_throughout(load)}; what presses for as long looks alike" if taken else ""
 
 
 def on_rows(recording: Recording, files: Files, given: Fit) -> list[Added]:
@@ -329,12 +338,12 @@ def on_rows(recording: Recording, files: Files, given: Fit) -> list[Added]:
     """
     thresholds = record_of(dict[str, float], given.model._arm["threshold"])
     added = [*offline(files, thresholds)]
-    added += chain.from_iterable(topic.channels(files) for topic in given.causal)
     if not added:
         friction = given.model._friction
         refused = friction.stopped or friction.refused
-        why = refused.sentence() if refused else "no effort was recorded, or slower than in the fit"
+        why = refused.sentence() if refused else NO_FORCE
         raise InputError(f"{recording.path}: no force is stated: {why}")
+    added += chain.from_iterable(topic.channels(files) for topic in given.causal)
     time, quality = record_of(Forces, files["forces"]).time, record_of(Quality, files["quality"])
     max_gap = given.model._settings.frames.max_gap_s
     samples = samples_of_rows(recording, time, quality.period_s, max_gap)

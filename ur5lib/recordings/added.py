@@ -5,7 +5,7 @@ measured, and which no reader takes for a channel.
 import re
 
 GROUP = "ur5lib"  # the group of arrays, and what names of columns and topics begin with
-ADDED = re.compile(rf"/?{GROUP}[/_]")
+ADDED = re.compile(rf"/?{GROUP}([/_]|$)")
 
 
 def is_added(name: str) -> bool:
