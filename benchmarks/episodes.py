@@ -2,11 +2,11 @@
 
     python -m benchmarks.episodes [--folder raw/ur10e] [number]
 
-Episodes of 10 s at 125 Hz are cut from public runs of a UR10e (`ur5 fetch ur10e`) and stored as
-HDF5, in the layout of DROID's trajectories; two whole runs are for the fit. `ur5 convert --into` is
-killed after a third, and goes on with `--resume`. Printed are, by part, the processor time of an
-episode and the memory; at the end, how many copies have all the data of their originals. All of it
-remains in results/benchmark_episodes.
+Episodes of 10 s are cut from public runs of a UR10e (`ur5 fetch ur10e`) and stored as HDF5, in the
+layout of DROID's trajectories; two whole runs are for the fit. `ur5 convert --into` is killed after
+a third, and goes on with `--resume`. Printed are, by part, the processor time of an episode and the
+memory; at the end, how many copies have all the data of their originals. All of it remains in
+results/benchmark_episodes.
 """
 
 import os
@@ -26,7 +26,7 @@ from ur5lib.recordings.added import GROUP
 
 PLACE = Path("results", "benchmark_episodes")
 FREE = ("ur-20_01_17-ptp_10_points.csv", "ur-20_02_12-50sec_12harm.csv")
-SECONDS = 10.0
+SECONDS, MAX_GAP = 10.0, 0.1  # s
 LAYOUT = {  # columns of a log, by the arrays of DROID
     "observation/timestamp/robot_state/robot_timestamp_seconds": slice(0, 1),
     "observation/robot_state/joint_positions": slice(1, 7),
@@ -68,7 +68,7 @@ def write_episodes(folder: Path, number: int) -> None:
     for name in FREE:
         write(PLACE / "raw" / f"free_{Path(name).stem}.h5", logs.pop(name))
     random = np.random.default_rng(1)
-    long = [rows for rows in logs.values() if rows[-1, 0] - rows[0, 0] > SECONDS]
+    long = [rows for rows in logs.values() if np.ptp(rows[:, 0]) > SECONDS and gap(rows) < MAX_GAP]
     for k in range(number):
         rows = long[random.integers(len(long))]
         begin = random.uniform(rows[0, 0], rows[-1, 0] - SECONDS)
@@ -76,11 +76,16 @@ def write_episodes(folder: Path, number: int) -> None:
         write(PLACE / "raw" / f"day_{k // 100:02}" / f"episode_{k:04}.h5", part)
 
 
+def gap(rows: np.ndarray) -> float:
+    """Return the longest time [s] between two rows: some logs have pauses, or clocks that jump."""
+    return float(np.abs(np.diff(rows[:, 0])).max())
+
+
 def rows_of(path: Path) -> np.ndarray:
-    """Return every fourth row of a log at 500 Hz, (N, 19), without a torn last one."""
+    """Return the first columns of a log (N, 19), without a torn last row."""
     lines = path.read_text().splitlines()
     whole = [line for line in lines if line.count(",") == lines[0].count(",")]
-    return np.loadtxt(whole[::4], delimiter=",")[:, :19]
+    return np.loadtxt(whole, delimiter=",")[:, :19]
 
 
 def write(path: Path, rows: np.ndarray) -> None:
