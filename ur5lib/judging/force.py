@@ -237,11 +237,11 @@ def _width(rows: pd.DataFrame, rank: int) -> Verdict:
 
 def _score(rows: pd.DataFrame) -> Verdict:
     """Return the interval score of the bands on the recording where it is farthest above that of
-    plain least squares, or else of zero, with the width that free readings need.
+    plain least squares, or else of zero; the axis with the least readings in its band counts.
     """
     names = {"interval_score95": "score", "zero_interval_score95": "zero", "plain_score": "rival"}
     means = rows.rename(columns=names).groupby("recording", sort=False)
-    means = means[[*names.values(), "coverage95"]].mean()
+    means = means[[*names.values()]].mean().join(means["coverage95"].min())
     row = means.loc[(means["score"] / means["rival"].fillna(means["zero"])).idxmax()]
     state, reason = _state_of_bands(row, bool((rows["use"] == "no").all()))
     rival: dict[str, Any] = {"rival": RIVAL, "rival_value": row["rival"]}
