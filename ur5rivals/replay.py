@@ -17,6 +17,7 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.motion import Motion
+from ur5lib.records.premises import Premises
 from ur5lib.records.signals import Signals
 from ur5lib.robots.mjcf import mjcf
 from ur5lib.timeseries.arrays import Array, Mask
@@ -45,7 +46,10 @@ def replayed(file: Path, results: Path, name: str) -> Iterator[str]:
     signals, motion = study.record(Signals, name), study.record(Motion, name)
     torques, currents = study.record(Torques, name), study.record(Currents, name)
     if currents.predicted is None or signals.effort is None:
-        raise InputError(f"no current was predicted on {name}; see the report of {results}")
+        signs = study.record(Premises, name).contradictions.stop_signs
+        cause = next(iter(signs), None) or friction.stopped or friction.refused
+        why = cause.sentence() if cause else f"see the report of {results}"
+        raise InputError(f"no current was predicted on {name}: {why}")
     fit = friction.fit_for(name)
     measured = motor_torque(fit, signals.effort)
     loaded = arm.carrying(study.payload(name)).mounted(recording.known_gravity())

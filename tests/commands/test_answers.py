@@ -59,6 +59,33 @@ def test_the_answer_is_json_for_a_program(
     assert [row["quantity"] for row in audited] == ["mass", "turn"]
 
 
+@pytest.mark.parametrize(
+    "cause", ["the unit is unknown: --unit", "the load changes: 2.0 kg from 4 s"]
+)
+def test_a_stop_sign_says_why_no_mass_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run_ur5: Command, cause: str
+) -> None:
+    """Its own, and that of a recording on which its arm would be fitted."""
+    monkeypatch.chdir(tmp_path)
+    entry = "robot: ur5e, format: rtde-csv, folder: ."
+    runs = {"a": "fit", "b": "contact", "c": "contact"}
+    entries = "".join(
+        f"- {{name: {name}, {entry}, file: {name}.csv, role: {role}}}\n"
+        for name, role in runs.items()
+    )
+    Path("mine.yaml").write_text(f"study: mine\ntitle: Mine\nrecordings:\n{entries}")
+    tables = Path("results/mine/tables")
+    tables.mkdir(parents=True)
+    (tables / "payload.csv").write_text("recording,mass,low,high,configured\n")
+    rows = [["a", "stop", "contradiction", cause], ["c", "stop", "contradiction", "its own"]]
+    quality = pd.DataFrame(rows, columns=["recording", "severity", "code", "detail"])
+    quality.to_csv(tables / "quality.csv", index=False)
+    a, b, c = run_ur5("payload", "mine.yaml").out.splitlines()
+    assert a == f"a: undetermined by currents ({cause})"
+    assert b == f"b: undetermined by currents (a: {cause})"
+    assert c == "c: undetermined by currents (its own)"
+
+
 def test_data_sets_are_listed_as_json(run_ur5: Command) -> None:
     listed = json.loads(run_ur5("fetch", "--json").out)
     assert listed["ur10-bag"]["study"] == catalogue()["ur10-bag"].study

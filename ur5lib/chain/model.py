@@ -308,12 +308,13 @@ class Model(Estimator, Shown):
         begins to move in positive direction; load: size of the torque that a gear transmits [Nm],
         one, (n,) by joint, or as velocity (N, n). `tau_friction_0` ... [Nm] with their standard
         deviations `tau_friction_std_0` ..., (M, n) each, by `velocity`, or by row. Springs, rotors
-        and coupled motors are not in it. Raises InputError if velocity or load are not numbers.
+        and coupled motors are not in it. Raises InputError if velocity or load are not numbers,
+        and where no fit was possible.
 
             >>> model.friction([0.1, 0.5], load=20.0).shape
             (2, 12)
         """
-        return friction_at(self._friction, velocity, load)
+        return friction_at(self._expect_fit(), velocity, load)
 
     def single(self, payload: Load = None) -> Single:
         """Return the same for one state (n,) in microseconds, for a controller in Python: torque,
@@ -367,7 +368,8 @@ class Model(Estimator, Shown):
         """Return the friction. Raises InputError where none could be fitted."""
         friction = self._friction
         if not friction.fit.joints:
-            why = friction.refused.sentence() if friction.refused else "nothing was recorded"
+            cause = friction.stopped or friction.refused
+            why = cause.sentence() if cause else "nothing was recorded"
             raise InputError(f"{self.robot} has no map from motion to {friction.effort}: {why}")
         return friction
 

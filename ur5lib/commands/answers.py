@@ -14,6 +14,7 @@ from ur5lib.study.address import RESULTS_FOLDER
 from ur5lib.study.reading import read_study
 from ur5lib.workspace.topics import modules_of_topics
 
+NO_FIT = "no motion, or no contact-free recording of this arm"
 MAX_PAYLOAD = 35.0  # kg; above the payload of the maker's largest arm
 
 
@@ -24,9 +25,26 @@ def payload_answers(study: Path) -> Iterator[str]:
     """
     quality = finished_study(study).table("quality")
     changes = quality[quality["code"] == Found.LOAD_CHANGES].set_index("recording")["detail"]
+    signs = stop_signs(study, quality)
     for name, loads, sensed in _payloads(study):
         held = [f"held in it: {changes[name]}"] if name in changes else []
-        yield f"{name}: {'; '.join([*_carried(loads, sensed), *held])}"
+        yield f"{name}: {'; '.join([*_carried(loads, sensed, signs.get(name, NO_FIT)), *held])}"
+
+
+def stop_signs(study: Path, quality: pd.DataFrame) -> dict[str, str]:
+    """Return the stop sign of each recording that has one, else that of a recording to fit on of
+    its arm.
+    """
+    stopped = quality[quality["severity"] == "stop"].drop_duplicates("recording")
+    own = dict(zip(stopped["recording"], stopped["detail"], strict=True))
+    recordings = read_study(study).recordings
+    of_arm = {
+        one.arm.known_as: f"{one.name}: {own[one.name]}"
+        for one in reversed(recordings)
+        if one.role == "fit" and one.name in own
+    }
+    of_fit = {r.name: of_arm[r.arm.known_as] for r in recordings if r.arm.known_as in of_arm}
+    return of_fit | own
 
 
 def payload_numbers(study: Path) -> list[dict[str, Any]]:
@@ -66,10 +84,12 @@ def _whole(row: Any) -> dict[str, float]:
     return whole | {"configured": row.configured}
 
 
-def _carried(loads: pd.DataFrame, sensed: pd.DataFrame) -> Iterator[str]:
-    """Yield the mass on the flange by currents and by sensor, from rows of their tables."""
+def _carried(loads: pd.DataFrame, sensed: pd.DataFrame, why_not: str = NO_FIT) -> Iterator[str]:
+    """Yield the mass on the flange by currents and by sensor, from rows of their tables; why_not:
+    why there may be no rows.
+    """
     if loads.empty:
-        yield "undetermined by currents (no motion, or no contact-free recording of this arm)"
+        yield f"undetermined by currents ({why_not})"
     for row in loads.itertuples():
         whole = _whole(row)
         configured = f"configured {whole.pop('configured'):.2f} kg{_place(row)}"

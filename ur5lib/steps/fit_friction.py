@@ -342,11 +342,12 @@ def _without_replicates(fit: CurrentFit) -> CurrentFit:
 
 def require_no_stop_sign(contradictions: Mapping[str, Contradictions]) -> None:
     """Raise ContradictionError if a recording has a stop sign; contradictions: by recording."""
-    stopped = [name for name, found in contradictions.items() if found.stop_signs]
-    if stopped:
+    signs = {name: one.stop_signs[0] for name, one in contradictions.items() if one.stop_signs}
+    if signs:
+        first = next(iter(signs))
         text = (
-            f"recordings to fit on have stop signs ({', '.join(stopped)}); correct them, or remove "
-            "them from the study"
+            f"recordings to fit on have stop signs ({', '.join(signs)}); of {first}: "
+            f"{signs[first].detail}; correct them, or remove them from the study"
         )
         raise ContradictionError(CauseCode.CONTRADICTING_RECORDINGS, text)
 
