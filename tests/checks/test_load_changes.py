@@ -19,11 +19,13 @@ def ramp(time: Array, start: float, end: float) -> Array:
     return (np.clip((time - start) / 0.2, 0, 1) * np.clip((end - time) / 0.2, 0, 1))[:, None]
 
 
-def means_with(arm: Robot, mass: float = 0.0, push: float = 0.0, end: float = 11.0) -> BlockMeans:
+def means_with(
+    arm: Robot, mass: float = 0.0, push: float = 0.0, end: float = 11.0, start: float = 6.0
+) -> BlockMeans:
     """Means of a motion of 24 s, in which a load is held from 6 s on, or a push lasts 2 s."""
     table, gravity, rubbing = motion(arm)
     time, q = table["time"].to_numpy(), channel(table, "actual_q")
-    load = load_torque(arm, q) @ np.array([mass, 0.0, 0.0, 0.08 * mass]) * ramp(time, 6.0, end)
+    load = load_torque(arm, q) @ np.array([mass, 0.0, 0.0, 0.08 * mass]) * ramp(time, start, end)
     force = push * np.array([0.5, -0.6, -0.6]) * ramp(time, 12.0, 14.0)
     pushed = np.einsum("nij,ni->nj", geometric_jacobian(arm, q)[:, :3], force)
     current = (gravity + rubbing + load - pushed) / CONSTANTS
@@ -37,6 +39,13 @@ def test_mass_and_times_are_found(arm: Robot, mass: float, end: float) -> None:
     assert found.mass == pytest.approx(mass, rel=0.15)
     assert found.start == pytest.approx(6.0, abs=1.0)
     assert found.end is None if end > 24 else found.end == pytest.approx(end, abs=1.0)
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.1, 99.0), (-9.0, 23.8), (0.2, 23.9)])
+def test_a_load_that_lacks_for_a_moment_alone_does_not_change(
+    arm: Robot, start: float, end: float
+) -> None:
+    assert held_loads(means_with(arm, 3.0, start=start, end=end), arm) == []
 
 
 @pytest.mark.parametrize("push", [0.0, 20.0, 60.0])

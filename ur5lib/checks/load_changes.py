@@ -186,7 +186,9 @@ class Search:
         first, end = (part.ravel() for part in np.meshgrid(starts, ends, indexing="ij"))
         kept = (end > first) & ((first > 0) | (end < len(self.time)))
         kept &= at[end] - at[first] >= spans.lasts
-        if near is not None:
+        if near is None:  # what is there but for a moment does not change
+            kept &= at[-1] - at[0] - (at[end] - at[first]) >= SAME_TIME
+        else:
             kept &= (first < near.end) & (end > near.first)
         if not kept.any():
             return None
