@@ -28,7 +28,7 @@ from ur5lib.checks.by_motion import (
 from ur5lib.checks.checked import Checked
 from ur5lib.checks.contacts import FeltContact
 from ur5lib.checks.currents import _unexpected_torque, fitted_load
-from ur5lib.checks.delays import Delays, delayed_currents
+from ur5lib.checks.delays import Delays, delayed_currents, delayed_joint
 from ur5lib.checks.doubts import doubts_by_joint
 from ur5lib.checks.findings import (
     contacts_felt,
@@ -277,6 +277,44 @@ def test_one_late_joint_is_told(ur5e: Robot, joint: int) -> None:
     assert found[0].cause == CauseCode.LATE_JOINT
     assert found[0].joints == (joint + 1,)
     assert re.search(r" 0\.(08|10|12) s later", found[0].detail)
+
+
+@pytest.mark.parametrize("joint", [1, 3, 5])
+@pytest.mark.parametrize("channels", [["actual_q"], ["actual_q", "actual_qd"], ["actual_qd"]])
+def test_velocities_tell_which_column_of_a_joint_is_late(
+    ur5e: Robot, joint: int, channels: list[str]
+) -> None:
+    """Positions behind velocities and currents, or both before the currents; else neither."""
+    own = log(ur5e)
+    for name in channels:
+        rows = channel(own.robot, name).copy()
+        rows[:, joint] = np.roll(rows[:, joint], round(0.1 / STEP))
+        own = replace(own, robot=own.robot.assign(**named(rows, name)))
+    found = [*stop_signs(own), *possible_delays(own)]
+    told = [one for one in found if one.cause in (CauseCode.LATE_JOINT, CauseCode.EARLY_JOINT)]
+    if channels == ["actual_qd"]:
+        assert told == []
+        return
+    assert told[0].joints == (joint + 1,)
+    whole = len(channels) == 2
+    cause = CauseCode.EARLY_JOINT if whole else CauseCode.LATE_JOINT
+    name, rest = ("actual_current", "agrees with") if whole else ("actual_q", "than actual_qd and")
+    assert told[0].cause == cause
+    assert told[0].detail.startswith(f"{name} of joint {joint + 1} comes 0.")
+    assert rest in told[0].detail
+
+
+def test_one_late_torque_without_velocities_is_a_doubt(sensed: Robot) -> None:
+    """Of an arm that is no UR, on which nothing else bears it out."""
+    own = late(log(sensed), [2], 0.3)
+    delays, columns = own.sensed_delays, [c for c in own.robot if "actual_qd" not in c]
+    assert delays is not None
+    found = [
+        one.severity
+        for robot in (own.robot, own.robot[columns])
+        for one in delayed_joint(delays, False, "actual_torque", robot)
+    ]
+    assert found == ["stop", "warning"]
 
 
 def test_a_late_log_names_no_joint(ur5e: Robot, sensed: Robot) -> None:

@@ -18,6 +18,7 @@ from ur5lib.robots.newton_euler import torque_regressor
 from ur5lib.robots.statics import gravity_columns
 from ur5lib.tables import channel
 from ur5lib.timeseries.arrays import Array, Mask
+from ur5lib.timeseries.metrics import correlation
 
 # A difference of log-likelihoods. In right recordings of real and drawn arms, it is at most 12 of
 # all joints, 15 of one.
@@ -35,6 +36,7 @@ CURRENT_NOISE = 0.02  # A, or Nm of torques; nothing is explained better
 REVERSALS = (PRESLIDING_DISTANCE, 1e-3, 2e-3)
 MAX_ROWS = 5000  # of torques that are looked at
 SMALLEST_SHARE = 1e-3  # of the largest singular value; smaller columns fit noise
+MIN_ALIKE = 0.9  # correlation of velocities with the slopes of their positions
 MIN_SHARE_RECEIVED = 0.4  # share of a block's frames; in some recordings, half are lost
 
 
@@ -148,22 +150,51 @@ def delayed_currents(delays: Delays, driven: bool, name: str) -> Iterator[Findin
         yield contradiction(cause, "delay", detail)
 
 
-def delayed_joint(delays: Delays, rubs: bool, name: str) -> Iterator[Finding]:
-    """Find the one joint where the current, or torque, comes later or earlier than the motion.
+def delayed_joint(delays: Delays, rubs: bool, name: str, robot: pd.DataFrame) -> Iterator[Finding]:
+    """Find the one joint where the current, or torque, comes later or earlier than the motion, or
+    its positions than both.
 
-    rubs: whether friction brakes what the efforts drive; name: of their channel.
+    rubs: whether friction brakes what the efforts drive; name: of their channel; robot: a repaired
+    table. A warning where slowly reversing friction explains as much, and of torques whose
+    velocities do not bear it out.
     """
     if (found := delays.late_joint(rubs)) is None:
         return
-    (joint, delay), number = found, found[0] + 1
+    (joint, delay), rate = found, late_positions(robot, found[0])
     late, early = (CauseCode.LATE_JOINT, "later"), (CauseCode.EARLY_JOINT, "earlier")
-    cause, side = late if delay > 0 else early
+    if rate is not None and abs(rate + delay) < abs(rate):  # nearer to that than to none
+        (cause, side), whose = late if rate > 0 else early, "actual_q"
+        seen, rest = f"actual_qd and {name} of it", "those of the others do not"
+    else:
+        (cause, side), whose, seen = late if delay > 0 else early, name, "its motion"
+        agrees = ", and actual_qd agrees with actual_q" if rate is not None else ""
+        rest = f"those of the others do not{agrees}"
     detail = (
-        f"{name} of joint {number} comes {abs(delay):.2f} s {side} than its motion, those of the "
-        "others do not; correct the time of this column"
+        f"{whose} of joint {joint + 1} comes {abs(delay):.2f} s {side} than {seen}, {rest}; "
+        "correct the time of this column"
     )
-    sign = contradiction(cause, "delay", detail, [number])
-    yield as_warning(sign) if delays.of_joint(joint).is_doubtful() else sign
+    sign = contradiction(cause, "delay", detail, [joint + 1])
+    alone = rate is None and name != CURRENT.channel
+    yield as_warning(sign) if alone or delays.of_joint(joint).is_doubtful() else sign
+
+
+def late_positions(robot: pd.DataFrame, joint: int) -> float | None:
+    """Return by how long [s] the slopes of a joint's positions, from 0, come after its velocities;
+    None where these are not recorded, or no delay makes them alike. robot: a repaired table.
+    """
+    if f"actual_qd_{joint}" not in robot:
+        return None
+    step = float(robot["time"].diff().median())
+    count = max(1, round(DELAY_STEP / step))
+    names = [f"{name}_{joint}" for name in ("actual_q", "actual_qd")]
+    q, qd = np.nan_to_num(_means(robot[names].to_numpy(float), count)).T
+    slope, most = np.gradient(q), round(MAX_DELAY / (count * step))
+    if len(slope) < 4 * most or not most:
+        return None
+    later = np.lib.stride_tricks.sliding_window_view(slope, len(slope) - 2 * most)
+    alike = correlation(later.T, np.broadcast_to(qd[most:-most, None], later.T.shape))
+    best = int(np.nanargmax(alike)) if np.isfinite(alike).any() else 0
+    return (best - most) * count * step if alike[best] > MIN_ALIKE else None
 
 
 def as_warning(delay: Finding) -> Finding:

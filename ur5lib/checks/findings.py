@@ -61,7 +61,7 @@ def possible_delays(checked: Checked) -> list[Finding]:
     rubs = checked.driven and checked.delays is not None
     found = [*delayed_currents(delays, rubs, name)]
     if not found:
-        found += delayed_joint(delays, rubs, name)
+        found += delayed_joint(delays, rubs, name, checked.robot)
     return [as_warning(one) for one in found]
 
 

@@ -130,7 +130,7 @@ def _contradictions(checked: Checked) -> Iterator[Finding]:
     if checked.fitted and checked.shows_currents():
         yield from changed_loads(means, loaded, fitted=True)
     if checked.delays is not None:
-        late = delayed_joint(checked.delays, checked.driven, name)
+        late = delayed_joint(checked.delays, checked.driven, name, robot)
         yield from (one for one in late if one.severity == "stop")
     if checked.answers is not None and checked.driven and arm.tells_gravity():
         yield from scaled_currents(means, checked.odd_targets)
