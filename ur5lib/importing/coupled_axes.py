@@ -7,6 +7,7 @@ import numpy as np
 from ur5lib.checks.checked import described
 from ur5lib.checks.tool import on_flange
 from ur5lib.importing.motion import ImportedMotion
+from ur5lib.importing.poses import poses
 from ur5lib.robots.description import Robot
 from ur5lib.robots.drives import of_the_joints
 from ur5lib.robots.newton_euler import torque_regressor
@@ -21,7 +22,6 @@ MAX_MISS, MIN_RATIO = 0.01, 10.0  # m of a pose; times as far without the coupli
 MIN_GAIN = 0.5
 MIN_TRAVEL = 0.1  # rad of joint 2; a pushed arm at rest yields, and its efforts follow that
 ROWS = 400
-MAX_METRES = 10.0  # no arm goes further; other numbers are mm
 EFFORTS = ("effort", "actual_current", "actual_current_as_torque", "actual_torque")
 
 
@@ -61,17 +61,9 @@ def _some(rows: Array | Labels) -> Labels:
 
 def _position(moving: ImportedMotion) -> Array | None:
     """Return a recorded position (N, 3) [m], None without one."""
-    file, length = moving.file, len(moving.time)
-    single = {b.names[0].lower(): b.rows[:, 0] for b in file.blocks if b.rows.shape[1] == 1}
-    pose = file.meant("actual_TCP_pose", moving.position.clock)
-    if pose is not None and len(pose.rows) == length:
-        rows = pose.rows[:, :3]
-    elif {"x", "y", "z"} <= {*single}:
-        rows = np.stack([single[axis] for axis in "xyz"], axis=1)
-    else:
-        return None
-    is_mm = np.nanmax(np.abs(rows)) > MAX_METRES
-    return rows / 1e3 if is_mm else rows
+    named = (pose for pose in poses(moving.file.blocks, moving.position.clock) if pose.is_named())
+    pose = next(named, None)
+    return None if pose is None else pose.in_metres()[1]
 
 
 def _readings(q: Array) -> dict[float, Array]:

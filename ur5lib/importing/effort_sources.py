@@ -11,12 +11,11 @@ from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans
 from ur5lib.checks.readings import (
     CLEAR_LEAD,
     OWN_FACTORS,
-    in_order,
     unit_scores,
 )
 from ur5lib.importing.blocks import ColumnBlock
 from ur5lib.importing.evidence import Row
-from ur5lib.importing.identity import MAX_REACH, MAX_SHOWN_RATIO, fitting
+from ur5lib.importing.identity import MAX_SHOWN_RATIO
 from ur5lib.importing.spellings import named_unit, names_share
 from ur5lib.recordings.intake import MOTOR_TORQUE
 from ur5lib.recordings.less_gravity import MAX_BESIDE_MOTION, TORQUE_LESS_GRAVITY
@@ -56,7 +55,6 @@ DOUBTED = 5.0
 MAX_HIDDEN_RATIO = 4.0  # of gravity to an effort that has a part of it; without it, 20 and more
 MAX_FACTOR_RATIO = 1.15  # of joints' factors that show one unit
 MAX_ALIKE_SLOPES, MIN_ALIKE = 1.6, 0.5  # of accelerations on slopes of velocities; correlation
-MIN_SPREAD, MAX_POSE_SHARE = 0.05, 0.03  # m of a pose, and the share of it that may be missed
 
 
 class GravityShown(NamedTuple):
@@ -330,10 +328,9 @@ def _lacks_gravity(shown: GravityShown) -> bool:
 
 
 def _motion(facts: EffortFacts) -> Iterator[Row]:
-    """Yield that a nameless block is one of accelerations, or a pose."""
+    """Yield that a nameless block is one of accelerations."""
     if facts.means is not None and facts.name in facts.means.currents and facts.block.is_nameless():
         yield from _as_accelerations(facts.means, facts.name)
-        yield from _as_pose(facts.means, facts.name, facts.arm)
 
 
 def _as_accelerations(means: BlockMeans, name: str) -> Iterator[Row]:
@@ -345,18 +342,3 @@ def _as_accelerations(means: BlockMeans, name: str) -> Iterator[Row]:
     if 2 * len(clear) > len(slopes) and clear.max() < MAX_ALIKE_SLOPES * clear.min():
         factor = {"factor": float(np.median(clear))}
         yield Row("motion", {NO_EFFORT: 12.0}, "accelerations", factor)
-
-
-def _as_pose(means: BlockMeans, name: str, arm: Robot | None) -> Iterator[Row]:
-    """Yield a row if a block has the positions of the arm's flange, or of a tool on it."""
-    position = means.currents[name][:, :3]
-    if arm is None or means.currents[name].shape[1] not in (6, 7):
-        return
-    spread = float(np.linalg.norm(np.ptp(position, axis=0)))
-    for scale, unit in ((1.0, "m"), (1e-3, "mm")):
-        if MIN_SPREAD < scale * spread < MAX_REACH:
-            placed = fitting(means.q, scale * position, [arm], [in_order(arm)]).good
-            if placed and placed[0].miss < MAX_POSE_SHARE * scale * spread:
-                numbers = {"unit": unit, "miss": 1e3 * placed[0].miss, "arm": arm.name}
-                yield Row("motion", {NO_EFFORT: 12.0}, "pose", numbers)
-                return

@@ -25,9 +25,10 @@ class Source(NamedTuple):
 SOURCES: Mapping[str, Source] = {
     "option": Source(60.0, "option", "`--columns` or `--unit` names it"),
     "bounds": Source(30.0, "numbers", "no current is above 60 A, no mA below 20", telling=False),
+    "pose": Source(30.0, "numbers", "the flange by the arm's kinematics, within millimetres"),
     "gravity": Source(16.0, "numbers", "which unit gravity explains, by a maker's links"),
     "unit": Source(14.0, "name", "a unit, or a share of a rating, written in the name"),
-    "motion": Source(12.0, "numbers", "accelerations, a pose: one factor, or millimetres"),
+    "motion": Source(12.0, "numbers", "accelerations: one factor"),
     "kind": Source(9.0, "numbers", "how common it is, before anything is seen", telling=False),
     "constants": Source(12.0, "numbers", "several joints show the arm's constants, or others"),
     "gravity absent": Source(8.0, "numbers", "friction and inertia alone explain it"),
@@ -54,7 +55,7 @@ WORDS = {  # by code; numbers of the row in braces
     "one factor": "one factor for all joints, and no unit, has these constants: {constants}",
     "gravity absent": "less gravity, for motion alone explains {share:.0%} of it, gravity no more",
     "accelerations": "accelerations: {factor:.2g} times the slopes of the velocities",
-    "pose": "a pose in {unit}: within {miss:.1f} mm of the flange of {arm}, or of a tool on it",
+    "pose": "a pose in {unit}: within {miss:.1f} mm of the flange of {arm}, or a tool on it{turn}",
 }
 ASSUMED, PROVEN, DOUBT = 3.0, 8.0, 4.0  # nats: of the lead, and of the row that contradicts most
 

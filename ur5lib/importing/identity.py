@@ -18,22 +18,27 @@ from ur5lib.checks.readings import (
     readings,
     usual_orders,
 )
-from ur5lib.checks.tool import on_flange
-from ur5lib.importing.blocks import AXES, JOINTS_OF_UR, ColumnBlock
+from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
-from ur5lib.importing.spellings import lettered_joints, place_of, without_unit
+from ur5lib.importing.poses import (
+    POSE,
+    ROTATION_VECTOR,
+    Pose,
+    PosedReadings,
+    fitting,
+    form_of_rotation,
+    poses,
+)
+from ur5lib.importing.spellings import lettered_joints, place_of
 from ur5lib.recordings.arm_joints import JOINT_NAMES
 from ur5lib.recordings.echo_start import MESSAGE_FORMATS
 from ur5lib.records.account import Confidence, Evidence
 from ur5lib.records.codes import Found
 from ur5lib.robots.description import UNNAMED_ARM, Robot
-from ur5lib.timeseries.arrays import Array
 
-MAX_DISTANCE = 0.004  # m; a calibrated arm misses its nominal kinematics by less
-MAX_REACH = 20.0  # m
-MAX_POSE_RATIO = 3.0  # times the distance of the best; readings farther away are excluded
-COMPARED_POSTURES = 12  # postures that are compared
+MIN_TRAVEL = 0.05  # rad, of a joint of an arm that its flange tells
+MOST_POSES = 8  # columns that are compared with the flange
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 ORDER = "the joints' order"
 UNDESCRIBED_ARM = UNNAMED_ARM
@@ -42,16 +47,6 @@ JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "
 USUAL_ORDER = "no name tells it; the other order, by names, is that of drivers of URs"
 MAX_SHOWN_RATIO = 100.0  # beyond this many times the maker's constant, gravity shows none
 MAKERS_TOLERANCE = 0.1  # share by which a joint's constant may differ from the maker's
-
-
-class PosedReading(NamedTuple):
-    """An arm and an order of its joints, with the root mean square distance [m] of their flange
-    from the recorded pose.
-    """
-
-    arm: str
-    order: Order
-    miss: float
 
 
 class ArmIdentity(NamedTuple):
@@ -66,13 +61,15 @@ class ArmIdentity(NamedTuple):
     like: Robot | None = None
 
 
-def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
+def identified(
+    moving: ImportedMotion, means: BlockMeans | None, placed: PosedReadings
+) -> ArmIdentity:
     """Return the arm and the column of each joint: as stated, by names, by a pose, by gravity.
 
-    means: over blocks with all efforts, None without a motion.
+    means: over blocks with all efforts, None without a motion; placed: readings by the pose.
     """
     file, fitting_arms = moving.file, arms_of(moving.file)
-    stated = file.stated.robot or _arm_in_names(moving, fitting_arms) or ""
+    stated = _stated_arm(moving)
     names = [stated] if stated else fitting_arms
     orders = usual_orders(file.joints)
     if not names:
@@ -81,7 +78,6 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
         none = f"no described arm has {file.joints} joints; {remedy}; {gripper}"
         file.account.tell("check", "robot", UNDESCRIBED_ARM, "numbers", none)
         return ArmIdentity(UNDESCRIBED_ARM, None, orders[0])
-    placed = _by_pose(moving, stated, orders)
     arms = [described(name) for name in fitting_arms]
     likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
     of_names = [reading for reading in likely if reading.arm in names]
@@ -93,9 +89,19 @@ def identified(moving: ImportedMotion, means: BlockMeans | None) -> ArmIdentity:
     if stated:
         by: Evidence = "option" if file.stated.robot else "name"
         how = "as given" if file.stated.robot else "by the name of file, folder or columns"
-        file.account.tell("assumed", "robot", stated, by, how)
+        if placed.arms() == [stated] and placed.beaten:
+            shown = f"{how}; the pose, within {1000 * placed.good[0].miss:.1f} mm"
+            file.account.tell("proven", "robot", stated, "numbers", shown + placed.next_best())
+        else:
+            file.account.tell("assumed", "robot", stated, by, how)
         return ArmIdentity(stated, described(stated), order)
     return _arm(file, means, [one for one in likely if one.order == order], placed, order)
+
+
+def _stated_arm(moving: ImportedMotion) -> str:
+    """Return the arm that the user states, or a name of the file, "" for none."""
+    file = moving.file
+    return file.stated.robot or _arm_in_names(moving, arms_of(file)) or ""
 
 
 def arms_of(file: FileContents) -> list[str]:
@@ -123,110 +129,60 @@ def _names_others(file: FileContents) -> bool:
     return any(finding.code == Found.UNNAMED_JOINTS for finding in file.findings)
 
 
-class PosedReadings(NamedTuple):
-    """The readings with a distance from the recorded pose like that of the best, the best first;
-    empty if it is not the pose of a flange.
+def posed(moving: ImportedMotion) -> PosedReadings:
+    """Return the readings that put the flange at a recorded pose; empty without a pose or motion.
 
-    bare: whether the pose is the flange's, else that of a tool with a constant offset from it;
-    beaten: the best of the other readings, None without others; proof: sentence that proves the
-    joints' order, "" without one.
+    The account states what is a pose, which no effort can be then, and the arm that it proves.
     """
-
-    good: list[PosedReading]
-    bare: bool = True
-    beaten: PosedReading | None = None
-    proof: str = ""
-
-    def orders(self) -> list[Order]:
-        """Return the different orders of the joints, the best first."""
-        return [*dict.fromkeys(reading.order for reading in self.good)]
-
-
-def fitting(
-    q: Array, position: Array, arms: Sequence[Robot], orders: Sequence[Order]
-) -> PosedReadings:
-    """Return the readings that put the flange, or a tool on it, at the recorded positions.
-
-    q: (N, n) [rad], columns as in the file; position: (N, 3) [m], in the base frame.
-    """
-    rows = np.unique(np.linspace(0, len(q) - 1, COMPARED_POSTURES).astype(int))
-    at = position[rows]
-    for tool in (False, True):
-        placed = [
-            PosedReading(arm.name, order, _flange_distance(arm, q[rows][:, order], at, tool))
-            for arm in arms
-            for order in orders
-        ]
-        placed.sort(key=lambda reading: reading.miss)
-        most = MAX_POSE_RATIO * placed[0].miss + 1e-4
-        good = [reading for reading in placed if reading.miss <= most]
-        if placed[0].miss <= MAX_DISTANCE:
-            return PosedReadings(good, not tool, next(iter(placed[len(good) :]), None))
-    return PosedReadings([])
-
-
-def _flange_distance(arm: Robot, q: Array, position: Array, tool: bool) -> float:
-    """Return the root mean square distance [m] of the flange from positions; tool: without a
-    constant offset on the flange.
-    """
-    offset = on_flange(position, q, arm)
-    if tool:
-        offset = offset - offset.mean(axis=0)
-    return float(np.sqrt((offset**2).sum(axis=1).mean()))
-
-
-def _by_pose(moving: ImportedMotion, stated: str, orders: Sequence[Order]) -> PosedReadings:
-    """Return the readings that put the flange at the recorded pose; empty without a pose or
-    motion.
-    """
-    file = moving.file
-    pose = file.meant("actual_TCP_pose", moving.position.clock) or _bare_position(moving)
-    if pose is None or pose.rows.shape[1] < 3:
-        return PosedReadings([])
-    q, (unit, position) = moving.in_si()["actual_q"], _in_metres(pose)
-    whole = np.isfinite(q).all(axis=1) & np.isfinite(position).all(axis=1)
-    if not whole.any() or np.ptp(q[whole], axis=0).max() < 0.05:
-        return PosedReadings([])
+    file, q, found = moving.file, moving.in_si()["actual_q"], PosedReadings([])
     arms = [described(name) for name in arms_of(file)]
-    placed = fitting(q[whole], position[whole], arms, orders)
-    if not placed.good:
-        file.account.exclude(pose, "no pose of the flange, or of a tool on it, in m, base frame")
-        return placed
-    best, beaten = placed.good[0], placed.beaten
-    within = f"it puts {'the flange' if placed.bare else 'a tool'} of {best.arm} within "
-    within += f"{1000 * best.miss:.1f} mm of {pose.title}"
-    next_best = f", {beaten.arm} within {1000 * beaten.miss:.3g} mm" if beaten else ""
-    if unit == "mm" or pose.rows.shape[1] == 3:
-        why = "left out, as it is in no m or without a rotation"
-        file.account.exclude(pose, f"in {unit}, {within}; {why}")
-    else:
-        file.account.hold("assumed", pose, pose.evidence, f"in {unit}: {within}")
-    if beaten:
-        unit = moving.units.get("actual_q", "rad")
-        file.account.prove(moving.position, f"positions in {unit}: {within}{next_best}")
-    if stated and stated not in {reading.arm for reading in placed.good}:
-        reason = f"the recorded pose is the flange of {best.arm}, or a tool on it: {within}"
-        file.account.tell("check", "robot", stated, "numbers", reason + next_best)
-    elif len(placed.orders()) == 1 and beaten:
-        return placed._replace(proof=f"{within}{next_best}, {in_words(beaten.order)}")
-    return placed
+    taken = {id(block) for block in moving.blocks.values()}
+    others = [b for b in file.blocks if id(b) not in taken]
+    whole = np.isfinite(q).all(axis=1)
+    if not arms or not whole.any() or np.ptp(q[whole], axis=0).max() < MIN_TRAVEL:
+        return found
+    for pose in poses(others, moving.position.clock)[:MOST_POSES]:
+        unit, position = pose.in_metres()
+        placed = fitting(q, position, arms, usual_orders(file.joints))
+        if placed.good and not found.good:
+            found = _held(moving, pose, unit, placed)
+        elif pose.blocks[0].is_nameless() and placed.is_near(position):
+            file.account.exclude(pose.blocks[0], f"a pose in {unit}: {placed.within(pose.title)}")
+        elif pose.blocks[0].meaning() == POSE and not placed.good:
+            why = "no pose of the flange, or of a tool on it, in m, base frame"
+            file.account.exclude(pose.blocks[0], why)
+    return found
 
 
-def _bare_position(moving: ImportedMotion) -> ColumnBlock | None:
-    """Return the block of columns named x, y and z, on the positions' clock; None if there is
-    none.
+def _held(moving: ImportedMotion, pose: Pose, unit: str, placed: PosedReadings) -> PosedReadings:
+    """Return readings by a pose; the account gets its row of evidence, and what follows for it, for
+    the positions and for the arm.
     """
-    for block in moving.file.blocks:
-        if block.clock == moving.position.clock and tuple(map(without_unit, block.names)) == AXES:
-            return block
-    return None
-
-
-def _in_metres(pose: ColumnBlock) -> tuple[str, Array]:
-    """Return the unit of a position, m or mm, by how far it reaches, and its rows (N, 3) [m]."""
-    position = pose.rows[:, :3]
-    in_mm = float(np.nanmax(np.abs(position), initial=0.0)) > MAX_REACH
-    return ("mm", position / 1e3) if in_mm else ("m", position)
+    account, stated = moving.file.account, _stated_arm(moving)
+    best, within, next_best = placed.good[0], placed.within(pose.title), placed.next_best()
+    q = moving.in_si()["actual_q"][:, best.order]
+    turn = form_of_rotation(pose, q, described(best.arm)) if pose.rotation.shape[1] else ""
+    row, words = placed.row(unit, f"; {turn}" if turn else "")
+    is_rtde = len(pose.blocks) == 1 and pose.blocks[0].meaning() == POSE
+    right = turn.startswith(ROTATION_VECTOR) or not turn
+    if is_rtde and unit == "m" and pose.rotation.shape[1] == 3 and right:
+        account.hold("assumed", pose.blocks[0], pose.blocks[0].evidence, f"in {unit}: {within}")
+    else:
+        form = f", with {turn}" if turn else ""
+        for block in pose.blocks:
+            why = f"a pose in {unit}, {within}{form}; no step reads this form"
+            account.exclude(block, why)
+    account.speak(pose.blocks[0], [row], words)
+    if placed.beaten:
+        own = moving.units.get("actual_q", "rad")
+        account.prove(moving.position, f"positions in {own}: {within}{next_best}")
+    if stated and stated not in placed.arms():
+        reason = f"the recorded pose is the flange of {best.arm}, or a tool on it: {within}"
+        account.tell("check", "robot", stated, "numbers", reason + next_best)
+    elif len(placed.orders()) == 1 and placed.beaten:
+        proof = f"{within}{next_best}, {in_words(best.order)}"
+        return placed._replace(proof=proof)
+    return placed
 
 
 def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadings) -> Order:

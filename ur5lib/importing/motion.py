@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ur5lib.checks.channels import MIN_MOVING_SPEED
-from ur5lib.checks.checked import described
+from ur5lib.checks.checked import described, described_arms
+from ur5lib.checks.readings import usual_orders
 from ur5lib.checks.torques import DEGREES_PER_RADIAN
 from ur5lib.errors import InputError
 from ur5lib.importing.blocks import ColumnBlock
@@ -21,6 +22,7 @@ from ur5lib.importing.clocks import (
     irregularity,
 )
 from ur5lib.importing.contents import FileContents, block_widths
+from ur5lib.importing.poses import fitting, poses
 from ur5lib.importing.spellings import (
     EFFORTS,
     TARGET_OR_TORQUE,
@@ -118,6 +120,7 @@ class ImportedMotion:
             if np.array_equal(self.file.clocks.stamps[block.clock], self.time, equal_nan=True)
             and block.rows.shape[1] == self.file.joints
             and id(block) not in motion_blocks
+            and block.names not in self.file.account.excluded
             and (block.meaning() in meanings or block.is_nameless())
         ]
 
@@ -313,12 +316,26 @@ def _slowest(file: FileContents) -> ColumnBlock:
     parted = any(1 < file.blocks[k].rows.shape[1] < file.joints for k in paces)
     if not finite or parted or len(paces) < MIN_COMPARED:
         raise InputError(f"{file.path}: no positions are found: {_why_no_positions(file)}")
+    by_pose = (k for _, k in finite if _is_posed(file, file.blocks[k]))
+    if (k := next(by_pose, None)) is not None:
+        return file.blocks[k]
     block = file.blocks[finite[0][1]]
     rivals = [f"{file.blocks[k].title} {pace / finite[0][0]:.2g} times" for pace, k in finite[1:2]]
     faster = f"; it changes slowest for its size, {rivals[0]} as fast" if rivals else ""
     why = f"the block of {file.joints} columns that may be angles{faster}; or others, by --columns"
     file.account.hold("check", block, "numbers", why)
     return block
+
+
+def _is_posed(file: FileContents, block: ColumnBlock) -> bool:
+    """Return whether a block has angles that put the flange of an arm at another block."""
+    rows = block.rows / (DEGREES_PER_RADIAN if _in_degrees(file, block) else 1.0)
+    known, orders = described_arms().values(), usual_orders(file.joints)
+    arms = [arm for arm in known if len(arm.joints) == file.joints and not arm.is_counted()]
+    others = poses([b for b in file.blocks if b is not block], block.clock)
+    return bool(arms) and any(
+        fitting(rows, pose.in_metres()[1], arms, orders).good for pose in others
+    )
 
 
 def _pace(file: FileContents, block: ColumnBlock) -> float:

@@ -31,7 +31,7 @@ from ur5lib.importing.efforts import (
 )
 from ur5lib.importing.factors import behind_gears, following_error
 from ur5lib.importing.form_of_file import Factors
-from ur5lib.importing.identity import arms_of, identified, tells_columns
+from ur5lib.importing.identity import arms_of, identified, posed, tells_columns
 from ur5lib.importing.motion import ImportedMotion, find_motion, rests
 from ur5lib.importing.spellings import CLOCK_NAME, is_of_motors, unused
 from ur5lib.importing.wrenches import (
@@ -121,6 +121,7 @@ class Proposal:
 def propose(file: FileContents) -> Proposal:
     """Return the proposal for a file. Raises InputError where it has no positions."""
     moving = find_motion(with_parted_wrench(file))
+    placed = posed(moving)
     file, clock = moving.file, moving.position.clock
     efforts = {f"effort{k}": in_stated_unit(b, file) for k, b in enumerate(_efforts(moving))}
     wrench = wrench_blocks(file, clock)
@@ -128,7 +129,7 @@ def propose(file: FileContents) -> Proposal:
     _correct(efforts, means, file)
     telling = {n: v for n, v in means.currents.items() if not is_share(efforts[n])} if means else {}
     likely = replace(means, currents=telling) if means else None
-    arm, robot, order, like = identity = identified(moving, likely)
+    arm, robot, order, like = identity = identified(moving, likely, placed)
     ordered = means.part(columns=order) if means else None
     named = name_efforts(efforts, ordered, identity, file)
     channels = {name: [block] for name, block in (moving.blocks | named).items()}

@@ -71,6 +71,10 @@ ARM_NAME = re.compile(  # one of several arms
     r"|(?:arm|robot|panda|franka|iiwa)_?[\dab])(?![A-Za-z0-9])",
     re.IGNORECASE,
 )
+ROTATION_NAMES = (  # of a pose, beside x, y, z
+    *(("rx", "ry", "rz"), ("w", "p", "r"), ("a", "b", "c"), ("roll", "pitch", "yaw")),
+    *(("qx", "qy", "qz", "qw"), ("x", "y", "z", "w"), ("o", "a", "t"), ("q1", "q2", "q3", "q4")),
+)
 CLOCK_NAME = re.compile(r"time|stamp|clock|zeit|(^|[/_ ])t$|sec(s|onds)?$", re.IGNORECASE)
 NAME_COLUMN = re.compile(r"(^|[._/])name[\d\[\]._]*$")  # a column of joints' names
 BRACKETED_UNIT = re.compile(r" *[\[(](?!J?\d*[\])])([^\])]*)[\])]$", re.IGNORECASE)  # a name's unit
