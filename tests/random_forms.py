@@ -91,7 +91,8 @@ class RandomLog:
     """A log as it is written, and what is true of it.
 
     form: what was drawn; quantities: names of the columns of each; channels: (N, k) in SI units, in
-    the arm's order, by RTDE's names; table: the file's columns.
+    the arm's order, by RTDE's names; table: the file's columns; effort: what was measured, (N, k)
+    [A, Nm], in whatever unit the file has it, None where it has none or sizes alone.
     """
 
     form: dict[str, str]
@@ -103,6 +104,7 @@ class RandomLog:
     table: dict[str, Any] = field(default_factory=dict)
     path: Path = Path()
     pushed: bool = False
+    effort: Array | None = None
 
     def add(self, quantity: str, names: list[str], rows: Array) -> None:
         """Add columns of a quantity, (N, k) as the file has them; each name once."""
@@ -218,7 +220,10 @@ def _add_motion(log: RandomLog, random: np.random.Generator) -> None:
             "permille": 1e3 * torque / most, "percent": 100 * torque / most,
             "motors": torque / 101, "rectified": np.abs(amperes) * sign,
         }[form["effort"]]  # fmt: skip
-        _add_joints(log, "i" if form["effort"] in IN_AMPERES else "tau", sign * in_file)
+        in_amperes = form["effort"] in IN_AMPERES
+        _add_joints(log, "i" if in_amperes else "tau", sign * in_file)
+        if form["effort"] != "rectified":
+            log.effort = amperes if in_amperes else torque
         if form["effort"] in ("A", "mA"):
             log.channels["actual_current"] = amperes
         elif form["effort"] == "Nm":

@@ -388,10 +388,18 @@ def import_(
     ] = None,
     unit: Annotated[
         list[str] | None,
-        typer.Option(metavar="CHANNEL=UNIT", help="unit of a channel, as actual_current=mA"),
+        typer.Option(
+            metavar="CHANNEL=UNIT",
+            help="unit of a channel, as actual_current=mA, or the SI value of one unit, "
+            "of each joint if they differ: actual_q=1e-5,2e-5,…",
+        ),
     ] = None,
     joints: Annotated[
-        str, typer.Option(help="names of the arm's joints, in its order, with commas between")
+        str,
+        typer.Option(
+            help="names of the arm's joints, in its order, with commas between; or the joint of "
+            "each column, as 3,2,1,4,5,6"
+        ),
     ] = "",
     prefix: Annotated[
         str, typer.Option(help="what the names of the arm's joints begin with, as left_")

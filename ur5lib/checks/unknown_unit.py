@@ -19,7 +19,7 @@ def unknown_unit(means: BlockMeans, arm: Robot) -> Finding:
     detail = (
         f"the unit of {name} is unknown, so that no force follows from it: {_gains(means, arm)}; "
         f"name the unit: `ur5 import` with --unit {name}={unit}, m{unit} or the SI value of one "
-        "unit of the file, or `units` in the study"
+        "unit of the file, or that of each joint as 0.1,0.2,…, or `units` in the study"
     )
     return contradiction(CauseCode.UNKNOWN_UNIT, "", detail)
 

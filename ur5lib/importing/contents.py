@@ -75,8 +75,8 @@ class UserStatement:
 
     robot: name of the arm; columns: channels of a table's columns in order, or `channel=name` of
     arrays; rate: of rows without a clock [Hz]; units: by channel; joint_names: of the arm, in its
-    order; prefix: of the names of the arm's joints or columns, as `left_`; sensor: the file of the
-    force sensor.
+    order; joint_numbers: the joint of each column, from 1; prefix: of the names of the arm's joints
+    or columns, as `left_`; sensor: the file of the force sensor.
     """
 
     robot: str = ""
@@ -86,6 +86,7 @@ class UserStatement:
     joint_names: Sequence[str] = ()
     prefix: str = ""
     sensor: Path | None = None
+    joint_numbers: Sequence[int] = ()
 
     def names(self) -> dict[str, str]:
         """Return, by the name of an array in the file, the channel that the user states for it."""

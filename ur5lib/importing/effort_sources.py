@@ -136,10 +136,11 @@ def shown_by_gravity(means: BlockMeans | None, arm: Robot | None, name: str) -> 
 
 
 class EffortFacts(NamedTuple):
-    """What sources are asked about: an effort, the likeliest arm, and units that the user states.
+    """What sources are asked about: an effort, the likeliest arm, and what the user states.
 
     block: in the file's numbers; arm: None where nothing states one; is_known: whether it is the
-    file's; means: over blocks of time, with the effort `name`, None without a motion.
+    file's; units: stated for it, by channel; means: over blocks of time, with the effort `name`,
+    None without a motion.
     """
 
     block: ColumnBlock
@@ -170,15 +171,13 @@ def _kind(facts: EffortFacts) -> Iterator[Row]:
 
 
 def _option(facts: EffortFacts) -> Iterator[Row]:
-    """Yield the unit or the channel that the user states; a unit of any effort names a block that
-    has no other name.
-    """
+    """Yield the unit or the channel that the user states."""
     meaning = facts.block.meaning() or ""
     bare = meaning in ("", "effort")
     for channel, unit in facts.units.items():
-        alike = channel == meaning or {channel, meaning} <= {*NEWTON_METRES}
-        if unit in UNITS and channel in NAME_ODDS and (alike or bare):
-            yield Row("option", {unit: STATED}, "stated")
+        if unit in UNITS:
+            stated = LESS_GRAVITY if channel == TORQUE_LESS_GRAVITY else unit
+            yield Row("option", {stated: STATED}, "stated")
             return
     if facts.block.stated and meaning in NAME_ODDS and not bare:
         yield Row("option", {k: 8 * own for k, own in NAME_ODDS[meaning].items()}, "stated")

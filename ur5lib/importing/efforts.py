@@ -5,7 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from ur5lib.channels import CHANNELS, CURRENT, MEASURED_CURRENT, TARGET_CURRENT, TORQUE
+from ur5lib.channels import (
+    CHANNELS,
+    CURRENT,
+    MEASURED_CURRENT,
+    MEASURED_EFFORTS,
+    TARGET_CURRENT,
+    TORQUE,
+)
 from ur5lib.checks.arm import torque_constants
 from ur5lib.checks.block_means import SMALLEST_SIZE, BlockMeans, combination
 from ur5lib.checks.currents import MAX_CONSTANT, MIN_CONSTANT, follows_its_model
@@ -18,7 +25,6 @@ from ur5lib.importing.effort_sources import (
     CANDIDATES,
     LESS_GRAVITY,
     MIN_BEARING_JOINTS,
-    NEWTON_METRES,
     NO_EFFORT,
     UNKNOWN,
     EffortFacts,
@@ -30,7 +36,7 @@ from ur5lib.importing.effort_sources import (
 from ur5lib.importing.evidence import Row, Verdict, decide
 from ur5lib.importing.identity import ArmIdentity, tells_columns
 from ur5lib.importing.spellings import is_of_motors, newton_metres
-from ur5lib.recordings.delimited import number_in
+from ur5lib.importing.stated_units import in_stated_values, remedy, stated_for
 from ur5lib.recordings.intake import MOTOR_TORQUE
 from ur5lib.recordings.less_gravity import TORQUE_LESS_GRAVITY
 from ur5lib.records.account import Confidence
@@ -107,21 +113,13 @@ def _without_constants(
 
 
 def in_stated_unit(block: ColumnBlock, file: FileContents) -> ColumnBlock:
-    """Return an effort in SI units by the user's factor, or a torque in Nm by the unit in its name;
-    else as it is.
+    """Return an effort in SI units by the values that the user states, or a torque in Nm by the
+    unit in its name; else as it is.
     """
     if metres := newton_metres(block.names[0]):
         return block.scaled(metres)
-    meaning = block.meaning() or "effort"
-    for channel in (MEASURED_CURRENT, *NEWTON_METRES):
-        factor = number_in(file.stated.units.get(channel, "").encode())
-        if factor is not None and not np.isnan(factor) and meaning in (channel, "effort"):
-            unit = CHANNELS[channel].unit
-            file.account.hold(
-                "assumed", block, "option", f"one unit of the file is {factor:g} {unit}"
-            )
-            return replace(block.scaled(factor), stated=channel)
-    return block
+    channel = stated_for(block, file)
+    return in_stated_values(block, channel, file) if channel else block
 
 
 def is_torque_of_joints(block: ColumnBlock) -> bool:
@@ -245,7 +243,9 @@ def _facts(
     """Return what sources are asked about; arm: the file's, or the likeliest."""
     shown = shown_by_gravity(means, arm if arm and tells_columns(arm) else None, name)
     known = identity.robot is not None and identity.like is None
-    return EffortFacts(block, arm, known, file.stated.units, means, name, shown)
+    channel = stated_for(block, file)
+    stated = {channel: file.stated.units[channel]} if channel else {}
+    return EffortFacts(block, arm, known, stated, means, name, shown)
 
 
 def _in_si(block: ColumnBlock, unit: str) -> ColumnBlock:
@@ -304,7 +304,8 @@ def _read_as(facts: EffortFacts, verdict: Verdict, file: FileContents) -> str:
     One of which priors alone speak, or gravity only with a factor a joint, is kept in an unknown
     unit: a fit would find the factors, but no force follows from them.
     """
-    if any(row.source == "gravity absent" for row in verdict.speaking):
+    absent = any(row.source == "gravity absent" for row in verdict.speaking)
+    if absent and verdict.by != "option":
         # it is absent, too, where something carries the arm
         verdict = verdict._replace(confidence="check")
     block, reason, account = facts.block, verdict.reason(CANDIDATES), file.account
@@ -317,6 +318,11 @@ def _read_as(facts: EffortFacts, verdict: Verdict, file: FileContents) -> str:
         return ""
     if verdict.candidate == UNKNOWN or not verdict.told:
         reason = reason if verdict.told else f"{CANDIDATES[verdict.candidate]} by habit, {reason}"
+        if is_target(block):  # no force needs it
+            named = block.meaning() or ""
+            remedy = f"--unit {named}={CHANNELS[named].unit}, if that is right"
+            account.exclude(block, f"a command in no known unit: {reason}; {remedy}")
+            return ""
         account.hold("check", block, verdict.by, _unknown(facts, reason))
         return UNKNOWN
     told = f"in {CANDIDATES[verdict.candidate]}: {reason}"
@@ -328,12 +334,13 @@ def _read_as(facts: EffortFacts, verdict: Verdict, file: FileContents) -> str:
 
 def _unknown(facts: EffortFacts, reason: str) -> str:
     """Return in words that the unit of an effort is unknown, and the option that ends it."""
-    measured = facts.arm.measured if facts.arm else TORQUE
+    named, measured = facts.block.meaning() or "", facts.arm.measured if facts.arm else TORQUE
+    channel = named if named in MEASURED_EFFORTS else measured.channel
     factor, shown = facts.shown.factor(), facts.shown.in_words()
-    value = f"{measured.unit} or the like" if factor is None else f"{factor:.3g}"
+    option = remedy(channel) if factor is None else f"--unit {measured.channel}={factor:.3g}"
     reason += f"; gravity tells {shown}" if shown and shown not in reason else ""
     kept = "kept, but no force is stated until it is named"
-    return f"in an unknown unit: {reason}; {kept}: --unit {measured.channel}={value}"
+    return f"in an unknown unit: {reason}; {kept}: {option}"
 
 
 def _channel_of(unit: str, target: bool, arm: Robot | None) -> str:

@@ -46,7 +46,7 @@ WORDS = {  # by code; numbers of the row in braces
     "named": "named {name}",
     "unit in name": "its name has the unit {unit}",
     "share in name": "a share of a rating, or counts, by its name",
-    "too large": "{peak:.3g} A are more than {bound:g} A",
+    "too large": "no current: it reaches {peak:.3g}, and none is above {bound:g} A",
     "measures torques": "{arm} measures torques",
     "by gravity": "gravity tells {unit}, by {lead:.3g} of log-likelihood before {rival}",
     "share as near": "a share of rated torques may be as near: the maker's manual has the unit",
@@ -124,7 +124,8 @@ def decide(
     """Return the verdict on a block by all rows of evidence.
 
     It is proven if exact rows lead and nothing contradicts, assumed if it leads clearly by more
-    than priors, else to be checked. candidates: the last is none of these; surest: as it may be.
+    than priors, or the user states it, else to be checked. candidates: the last is none of these;
+    surest: as it may be.
     """
     capped = [row.capped(candidates) for row in rows]
     total = {one: sum(odds[one] for odds in capped) for one in candidates}
@@ -137,10 +138,14 @@ def decide(
     )
     proof = sum(own for row, own in zip(rows, ahead, strict=True) if row.exact)
     doubt = _doubt(rows, [-odds[best] for odds in capped])
+    stated = any(
+        row.source == "option" and odds[best] > odds[other]
+        for row, odds in zip(rows, capped, strict=True)
+    )
     sure: Confidence = "check"
-    if lead >= ASSUMED and told and doubt is None and surest != "check":
+    if lead >= ASSUMED and told and (doubt is None or stated) and surest != "check":
         is_proven = proof >= PROVEN and lead >= PROVEN and surest == "proven"
-        sure = "proven" if is_proven else "assumed"
+        sure = "proven" if is_proven and doubt is None else "assumed"
     speaking = [*_speaking(rows, [odds[best] - _mean(odds) for odds in capped], doubt)]
     main = max(zip(ahead, rows, strict=True), key=lambda one: one[0])[1]
     by = SOURCES[main.source].by

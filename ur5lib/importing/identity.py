@@ -18,6 +18,7 @@ from ur5lib.checks.readings import (
     readings,
     usual_orders,
 )
+from ur5lib.errors import InputError
 from ur5lib.importing.blocks import JOINTS_OF_UR, ColumnBlock
 from ur5lib.importing.contents import FileContents
 from ur5lib.importing.motion import ImportedMotion
@@ -42,6 +43,7 @@ MOST_POSES = 8  # columns that are compared with the flange
 CLEAR_LEAD_OVER_NAMES = 3 * CLEAR_LEAD  # lead from which on numbers outdo the numbers of columns
 ORDER = "the joints' order"
 UNDESCRIBED_ARM = UNNAMED_ARM
+TIE = 0.5  # nats, by which no arm is likelier than another
 NAME_IT = "name the right arm, as with --robot ur5e, or describe it (`ur5 describe`)"
 JOINT_WORDS = ("shoulder pan", "shoulder lift", "elbow", "wrist 1", "wrist 2", "wrist 3")
 USUAL_ORDER = "no name tells it; the other order, by names, is that of drivers of URs"
@@ -195,6 +197,10 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
     best = max(scores, key=lambda order: scores[order], default=as_read)
     lead = scores[best] - scores[as_read] if scores else 0.0
     ahead = min((scores[as_read] - s for o, s in scores.items() if o != as_read), default=0.0)
+    if file.stated.joint_numbers:
+        order = tuple(_stated_places(file))
+        file.account.tell("assumed", ORDER, in_words(order), "option", "as given")
+        return order
     named, by_gravity = names_order(moving), lead > CLEAR_LEAD_OVER_NAMES
     so = f"gravity explains the efforts so, by {lead:.3g} of log-likelihood before base to wrist"
     as_named, tell = f"as named in {title}", file.account.tell
@@ -231,19 +237,30 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
     return as_read
 
 
+def _stated_places(file: FileContents) -> list[int]:
+    """Return the column of each joint, as stated. Raises InputError for others than the joints."""
+    numbers = file.stated.joint_numbers
+    if len(numbers) != file.joints:
+        raise InputError(
+            f"{file.path}: --joints has {len(numbers)} numbers, but positions {file.joints} "
+            "columns; give the joint of each"
+        )
+    return [numbers.index(joint) for joint in range(1, file.joints + 1)]
+
+
 def names_order(moving: ImportedMotion) -> Literal["name", "number", ""]:
     """Return what determines the joints' order: names of a driver's joints, or by the user, or
     numbers; or RTDE's numbers of a UR, which any recorder may write; "" for neither.
     """
     file, block = moving.file, moving.position
     first_name = block.names[0]
+    if file.header.entry or first_name in file.stated.names():
+        return "name"
     if file.format in MESSAGE_FORMATS:
         codes = Found.UNNAMED_JOINTS, Found.NAMELESS_JOINTS
         unnamed = [f for f in file.findings if f.code in codes]
         topics = (topic for finding in unnamed for topic in finding.channels)
         return "" if any(first_name.startswith(f"{topic}/") for topic in topics) else "name"
-    if file.header.entry or first_name in file.stated.names():
-        return "name"
     if len(block.names) > 1 and any(joint.search(first_name) for joint in JOINT_NAMES):
         return "name"
     if lettered_joints(block.names) or (_counts(block) and not _may_be_by_name(file)):
@@ -304,6 +321,8 @@ def _arm(
         guess = f"if its efforts have the unit that they have then: {grounds}; {NAME_IT}"
         tell("check", "robot", best.arm, "numbers", guess)
         return ArmIdentity(best.arm, like, order, like)
+    if lead < TIE:
+        grounds = f"{best.arm} and {others[0].arm} are as likely by the efforts"
     tell("check", "robot", UNDESCRIBED_ARM, "numbers", f"no arm is clear: {grounds}; {NAME_IT}")
     return ArmIdentity(UNDESCRIBED_ARM, None, order, like)
 

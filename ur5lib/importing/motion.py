@@ -31,6 +31,7 @@ from ur5lib.importing.spellings import (
     names_command,
     names_share,
 )
+from ur5lib.importing.stated_units import in_stated_values, values_of
 from ur5lib.importing.unwrapped import with_continuous_angles
 from ur5lib.records.account import NOTHING, Confidence
 from ur5lib.robots.drives import turns_matrix
@@ -236,6 +237,7 @@ def find_motion(file: FileContents) -> ImportedMotion:
     file = with_continuous_angles(file)
     file = _without_copies(file)
     position, velocity = _by_name(file) or _by_slopes(file) or (_slowest(file), None)
+    file, position, velocity = _in_stated_values(file, position, velocity)
     file, rate, still = _timed(file, position, velocity)
     file = _with_polled_target(file, file.block(position.names))
     position = file.block(position.names)
@@ -246,6 +248,25 @@ def find_motion(file: FileContents) -> ImportedMotion:
         measured["actual_qd"] = velocity
     targets = {name: block for name in TARGET_UNITS if (block := file.meant(name, position.clock))}
     return _with_targets(ImportedMotion(file, measured, units, rate, still), targets)
+
+
+def _in_stated_values(
+    file: FileContents, position: ColumnBlock, velocity: ColumnBlock | None
+) -> tuple[FileContents, ColumnBlock, ColumnBlock | None]:
+    """Return a file with positions and velocities in SI units, by the values that the user states;
+    of velocities that are in the unit of the positions, by these.
+    """
+    stamps, units = file.clocks.stamps[position.clock], file.stated.units
+    whole = in_stated_values(position, "actual_q", file)
+    new, rate = {id(position): whole}, velocity
+    if velocity is not None:
+        rate = in_stated_values(velocity, "actual_qd", file)
+        if whole is not position and "actual_qd" not in units and file.has_clock():
+            fit = agreement(position.rows, velocity.rows, stamps)
+            alike = fit.share == 1.0 and _is_near(fit.ratio)
+            rate = velocity.scaled(np.array(whole.factors)) if alike else velocity
+        new[id(velocity)] = rate
+    return replace(file, blocks=[new.get(id(b), b) for b in file.blocks]), whole, rate
 
 
 def _without_copies(file: FileContents) -> FileContents:
@@ -554,11 +575,12 @@ def _units(
 def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
     """Return whether positions are in degrees: as stated, named, or by how far they turn."""
     stated, named = file.stated.units.get("actual_q"), named_unit(position.names[0])
+    if values_of(stated or "") is not None:
+        return False
     shown, most = _in_degrees(file, position), float(np.nanmax(np.abs(position.rows)))
     of_servos = not file.stated.robot or bool(SERVO.search(position.names[0]))
-    are_counts = float(np.nanmax(np.abs(position.rows) / _turns(file))) > COUNTS_REACH
     are_shares = most <= SHARES_REACH and of_servos
-    doubtful = shown and not named and (are_shares or are_counts)
+    doubtful = shown and not named and (are_shares or are_counts(file, position))
     turns = f"reaches {most:.4g}: as radians {most / 2 / np.pi:.0f} turns; joints turn at most 2"
     if position.stated and position.names[0] not in file.stated.names():
         of_joints = "of the joints by name, and nothing else to be: positions"
@@ -577,6 +599,12 @@ def _are_degrees(file: FileContents, position: ColumnBlock) -> bool:
     else:
         file.account.hold("assumed", position, position.evidence, f"in rad: reaches {most:.3g}")
     return (stated or named or ("deg" if shown else "rad")) == "deg"
+
+
+def are_counts(file: FileContents, position: ColumnBlock) -> bool:
+    """Return whether positions reach farther than any angle in degrees, as counts of encoders."""
+    reached = np.nanquantile(np.abs(position.rows) / _turns(file), 0.99)  # not by a damaged row
+    return bool(reached > COUNTS_REACH)
 
 
 def _named_beside(file: FileContents, position: ColumnBlock) -> ColumnBlock | None:

@@ -32,8 +32,9 @@ from ur5lib.importing.efforts import (
 from ur5lib.importing.factors import behind_gears, following_error
 from ur5lib.importing.form_of_file import Factors
 from ur5lib.importing.identity import arms_of, identified, posed, tells_columns
-from ur5lib.importing.motion import ImportedMotion, find_motion, rests
+from ur5lib.importing.motion import ImportedMotion, are_counts, find_motion, rests
 from ur5lib.importing.spellings import CLOCK_NAME, is_of_motors, unused
+from ur5lib.importing.stated_units import remedy, values_of
 from ur5lib.importing.wrenches import (
     CONTACT_FORCE,
     change,
@@ -41,7 +42,6 @@ from ur5lib.importing.wrenches import (
     with_parted_wrench,
     wrench_blocks,
 )
-from ur5lib.recordings.delimited import number_in
 from ur5lib.recordings.entries import OPPOSITE_SIGN
 from ur5lib.recordings.frames import repair_frames
 from ur5lib.recordings.plausibility import SMALLEST_VALUE
@@ -53,6 +53,10 @@ ChannelUnits = dict[str, str | list[float]]  # by channel, as a study has them
 MIN_BLOCKS = 8
 MIN_TURN = 0.1  # rad
 MIN_TURNING_JOINTS = 4  # with fewer, constant efforts are no evidence
+COUNTED = (
+    "positions that are no angles, as pulses, tell nothing of the rest; first name their unit: "
+    f"{remedy('actual_q')}"
+)
 MAX_GAP = 0.1  # s, that is filled before means are taken
 MAX_NAMELESS_EFFORTS = 8  # that gravity is asked about, of a table without names
 COMPARED_ROWS = 2000  # by which these are chosen
@@ -138,8 +142,9 @@ def propose(file: FileContents) -> Proposal:
         if block and block.rows.shape[1] == width:
             channels[name] = [block]
     units: ChannelUnits = dict(moving.units)
-    units |= {n: unit for n, block in named.items() if (unit := block.unit())}
-    words = {n: unit for n, unit in file.stated.units.items() if number_in(unit.encode()) is None}
+    scaled = (moving.blocks | named).items()
+    units |= {n: unit for n, block in scaled if (unit := block.unit())}
+    words = {n: unit for n, unit in file.stated.units.items() if values_of(unit) is None}
     units |= {n: unit for n, unit in words.items() if n in channels and unit != CHANNELS[n].unit}
     pushed = _led(channels.get("target_qdd", []), file) or _pushed(wrench, file)
     measured = [block.names for name, block in named.items() if name.startswith("actual")]
@@ -294,6 +299,9 @@ def _means(
         return None, np.empty((0, 6))
     fresh = np.diff(moving.time, prepend=-np.inf) > 0
     table = pd.DataFrame({"time": moving.time - np.nanmin(moving.time), **columns})[fresh]
+    if are_counts(moving.file, moving.position):
+        moving.file.account.tell("check", "columns", "as named", "name", COUNTED)
+        return None, np.empty((0, 6))
     anywhere = dict.fromkeys((f"actual_q_{k}" for k in range(moving.file.joints)), math.inf)
     source, lasts = str(moving.file.path), np.ptp(moving.time)
     try:

@@ -40,16 +40,19 @@ def user_statement(
 ) -> UserStatement:
     """Return what a user states of recordings.
 
-    columns: channels, with commas between; joints: names, with commas between; units: each as
-    `actual_current=mA`. Raises InputError for an arm that is not described, and a unit without its
-    channel.
+    columns: channels, with commas between; joints: names, or the joint of each column from 1, with
+    commas between; units: each as `actual_current=mA`. Raises InputError for an arm that is not
+    described, and a unit without its channel.
     """
     if robot is not None:
         described(robot)
     names = tuple(columns.split(",")) if columns else ()
     named = tuple(name.strip() for name in joints.split(",") if name.strip())
     by_channel = dict(_pair(one) for one in units)
-    return UserStatement(robot or "", names, rate, by_channel, named, prefix, sensor)
+    numbers = tuple(int(name) for name in named if name.isdecimal())
+    are_numbers = bool(named) and sorted(numbers) == [*range(1, len(named) + 1)]
+    of_joints = ((), prefix, sensor, numbers) if are_numbers else (named, prefix, sensor)
+    return UserStatement(robot or "", names, rate, by_channel, *of_joints)
 
 
 def imported_files(files: Sequence[Path], stated: UserStatement) -> ImportedFiles:
