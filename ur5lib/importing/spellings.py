@@ -59,12 +59,14 @@ SUBTRACTION_WORDS = _words_in("less without minus compensated")  # that leave a 
 EXTERNAL_WORDS = _words_in("ext external extern hat")  # torques that are ascribed to contact
 GRIPPER_WORDS = _words_in("gripper finger fingers hand jaw robotiq")
 LOAD_WORDS = _words_in("load loads")  # of servos, ‰ of the stall torque
-SHARE_WORDS = _words_in("percent percentage pct permille promille normalized normalised counts")
+COUNT_WORDS = _words_in("counts pulse pulses puls increments inc ticks cts")  # of encoders
+SHARE_WORDS = COUNT_WORDS | _words_in("percent percentage pct permille promille")
+SHARE_WORDS |= _words_in("normalized normalised")
 WRENCH_WORDS, WRENCH_WIDTH = _words_in("wrench ft force"), 6
 SHARE_SIGNS = {"%", "‰", "pu", "p.u.", *SHARE_WORDS}  # in brackets
 IMU_WORDS = _words_in("imu mag magnetometer")  # mx is a magnetic field there
 TEMPERATURE_WORDS = _words_in("temperature temperatures temp temps")
-LETTERED_JOINTS = ([*"SLURBT"], [*"SLEURBT"])  # of Yaskawa's arms
+LETTERED_JOINTS = ("SLURBT", "SLEURBT")  # of Yaskawa's arms, the longest last
 JOINT_WORDS = _words_in("joint joints jnt axis axes actuator j a achse ist")  # A1 Ist [Grad]
 ARM_NAME = re.compile(  # one of several arms
     r"(?<![A-Za-z0-9])(left|right|leader|follower|master|slave|[lr]|ur\d+e?"
@@ -134,7 +136,7 @@ def names_joints(stem: str) -> bool:
     or a joint's letter.
     """
     split = re.findall(r"[a-z]+", last_part(stem).lower())
-    return not split or split[-1] in JOINT_WORDS or stem in LETTERED_JOINTS[1]
+    return not split or split[-1] in JOINT_WORDS or stem in {*"".join(LETTERED_JOINTS)}
 
 
 def lettered_joints(names: Iterable[str]) -> tuple[str, ...]:
