@@ -83,7 +83,7 @@ def identified(
     arms = [described(name) for name in fitting_arms]
     likely = readings(means, arms, orders, SLOPE_BOUNDS_OR_NONE) if means else []
     of_names = [reading for reading in likely if reading.arm in names]
-    order = _order(moving, of_names, placed)
+    order = _stated_order(file) or _order(moving, of_names, placed)
     if file.precedent and file.precedent.arm != UNDESCRIBED_ARM and not stated:
         stated, of_form = file.precedent.arm, f"as in {file.precedent.name}, of the same form"
         file.account.tell("check", "robot", stated, "numbers", of_form)
@@ -197,10 +197,6 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
     best = max(scores, key=lambda order: scores[order], default=as_read)
     lead = scores[best] - scores[as_read] if scores else 0.0
     ahead = min((scores[as_read] - s for o, s in scores.items() if o != as_read), default=0.0)
-    if file.stated.joint_numbers:
-        order = tuple(_stated_places(file))
-        file.account.tell("assumed", ORDER, in_words(order), "option", "as given")
-        return order
     named, by_gravity = names_order(moving), lead > CLEAR_LEAD_OVER_NAMES
     so = f"gravity explains the efforts so, by {lead:.3g} of log-likelihood before base to wrist"
     as_named, tell = f"as named in {title}", file.account.tell
@@ -237,15 +233,20 @@ def _order(moving: ImportedMotion, likely: Sequence[Reading], placed: PosedReadi
     return as_read
 
 
-def _stated_places(file: FileContents) -> list[int]:
-    """Return the column of each joint, as stated. Raises InputError for others than the joints."""
+def _stated_order(file: FileContents) -> Order:
+    """Return the column of each joint as the user states it, () where not. Raises InputError for
+    another number of joints.
+    """
     numbers = file.stated.joint_numbers
-    if len(numbers) != file.joints:
+    if numbers and len(numbers) != file.joints:
         raise InputError(
             f"{file.path}: --joints has {len(numbers)} numbers, but positions {file.joints} "
             "columns; give the joint of each"
         )
-    return [numbers.index(joint) for joint in range(1, file.joints + 1)]
+    order = tuple(numbers.index(joint) for joint in range(1, len(numbers) + 1))
+    if order:
+        file.account.tell("assumed", ORDER, in_words(order), "option", "as given")
+    return order
 
 
 def names_order(moving: ImportedMotion) -> Literal["name", "number", ""]:
