@@ -27,6 +27,8 @@ CASES: list[tuple[str, str]] = [
     ("significant(0.07706, 2)", "0.077"),
     ("significant(100.0, 3)", "100"),
     ("significant(2.50, 3)", "2.5"),
+    ("significant(6.748e-21, 3)", "0"),  # the mean load of an upright axis
+    ("significant(-3e-300, 2)", "0"),
     ('within(3.389, 2.06, 5.40, unit: "N")', "3.4 N"),
     ("within(93.1, 33.9, 152.3)", "93"),
     ("within(0.0381, 0.0317, 0.0446)", "0.038"),
