@@ -166,6 +166,7 @@ def test_a_new_arm_is_a_file_and_nothing_else(tmp_path: Path) -> None:
     [
         (["--robot", "ur6", "--model", "C"], "no description of `ur6`; docs/robots.md"),
         (["--robot", "UR12e"], r"no description of `UR12e` \(did you mean `ur10e`\?\)"),
+        (["--robot", "my/arm.urdf"], r"describe it first, by a name: ur5 describe my/arm\.urdf"),
         (["--robot", "UR-5e"], r"no description of `UR-5e` \(did you mean `ur5e`\?\)"),
         (["--robot", "ur5", "--model", "D"], "no link model 'D'; available: A, B, C"),
         (

@@ -589,6 +589,8 @@ def no_description(name: str) -> str:
     [nearest_name] = get_close_matches(_letters(name), names_by_letters, n=1, cutoff=0.8) or [""]
     meant = f" (did you mean `{names_by_letters[nearest_name]}`?)" if nearest_name else ""
     known = ", ".join(robot_names())
+    if name.lower().endswith((".urdf", ".xacro")):
+        return f"{name} is no name of an arm; describe it first, by a name: ur5 describe {name}"
     return f"no description of `{name}`{meant}; docs/robots.md shows how to add one to {known}"
 
 
