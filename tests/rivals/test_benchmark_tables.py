@@ -12,12 +12,19 @@ import pytest
 import yaml
 
 from benchmarks import simulated_contacts
+from benchmarks.harness.cells import DATA, cell
 from benchmarks.harness.pushes import PLACES
 from benchmarks.harness.sections import detection_tables
 from benchmarks.harness.simulated import better_than_ours, refused_on_some, simulated_table
 from benchmarks.simulated_contacts import force_at
 from ur5lib.tables import write_csv
 from ur5rivals.estimators.ours import OURS
+from ur5rivals.tuning import MAX_LATENCY
+
+
+def test_the_rule_for_latency_includes_the_live_estimate() -> None:
+    latency = cell(DATA / "leaderboard.csv", "F̂ᵐᵃᵖ, live", "latency")
+    assert float(latency.removesuffix(" ms")) <= 1000 * MAX_LATENCY
 
 
 def seed_row(seed: int, estimator: str, error: float) -> dict[str, Any]:

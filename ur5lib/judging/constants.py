@@ -1,6 +1,6 @@
 """Torque constants and gains: how many may be used, their uncertainty, and their deviation."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -229,8 +229,12 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
         value=float(rows["half"].max()),
         recording=str(rows.loc[rows["half"].idxmax(), "recording"]),
     )
-    carried = rows[rows["taken"] == "yes"]
-    for rank, row in enumerate(carried.itertuples(), start=3):
+    yield from _undeclared(rows[rows["taken"] == "yes"], about)
+
+
+def _undeclared(rows: pd.DataFrame, about: Mapping[str, Any]) -> Iterator[Verdict]:
+    """Yield the undeclared loads that are taken off."""
+    for rank, row in enumerate(rows.itertuples(), start=3):
         yield Verdict(
             **about,
             rank=rank,
