@@ -43,8 +43,6 @@ class Part(NamedTuple):
 PARTS = {
     "settings": Part("docs/settings.md", "ur5lib settings > docs/settings.md"),
     "expected": Part("docs/expect.md", "benchmarks.expected --page"),
-    "pictures": Part("docs/pictures, and what reports say", "benchmarks.pictures"),
-    "notebook": Part("docs/notebook.ipynb", "tests.notebook ."),
     "choice": Part("a table of docs/api.md", "benchmarks.choice --page"),
     "stand": Part("a table of docs/world.md", "benchmarks.stand_and_arms --page"),
     "published": Part("a part of docs/benchmark.md", "benchmarks.published_friction --page"),
@@ -61,6 +59,9 @@ PARTS = {
         "a table of docs/methods.md", "benchmarks.worth --constants --page", hours=True
     ),
     "world": Part("docs/world.md", "benchmarks.world --page", hours=True),
+    # these draw tables that those above have written
+    "pictures": Part("docs/pictures, and what reports say", "benchmarks.pictures"),
+    "notebook": Part("docs/notebook.ipynb", "tests.notebook ."),
 }
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from benchmarks.harness.markdown import markdown, read_page, replaced, write_page
+from benchmarks.harness.markdown import markdown, read_page, replaced, wrapped, write_page
 from benchmarks.harness.options import options_of
 from ur5lib.dynamics.link_model import LinkModel
 from ur5lib.identification.base_parameters import InertialEstimate
@@ -87,9 +87,19 @@ def main() -> None:
     values = [*compared(fit.estimate(places), places, fit)]
     header = ["of", "value", "ours, 95 %", "published", "inside"]
     text = markdown(header, [value.row() for value in values])
-    print(text, *wrist_residuals(arm, run), sep="\n")
+    residuals = [*wrist_residuals(arm, run)]
+    print(text, *residuals, sep="\n")
     if given.page:
-        write_page(replaced(read_page(PAGE), TITLE, text), PAGE)
+        page = replaced(read_page(PAGE), TITLE, text)
+        write_page(with_residuals(page, residuals), PAGE)
+
+
+def with_residuals(page: str, sentences: Sequence[str]) -> str:
+    """Return the page with these sentences below the table, in place of an earlier run's."""
+    start = page.index(sentences[0].strip().partition(",")[0])
+    end = page.index("\n\n", start)
+    told = " ".join(one.strip() for one in sentences)
+    return page[:start] + wrapped(told) + page[end:]
 
 
 def recorded(arm: Robot, folder: Path, seconds: float | None) -> MeasuredRun:
