@@ -188,7 +188,7 @@ def write_screens(
     for title, study in studies.items():
         if (RESULTS_FOLDER / study / "results.json").exists():
             text = replaced(text, title, text_of(first_screen(RESULTS_FOLDER / study)))
-    write_text(text, page)
+    write_text(f"{text.rstrip()}\n", page)
 
 
 def with_columns(page: str) -> str:
