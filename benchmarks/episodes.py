@@ -3,7 +3,7 @@
     python -m benchmarks.episodes [--folder raw/ur10e] [number]
 
 Episodes of 10 s are cut from public runs of a UR10e (`ur5 fetch ur10e`) and stored as HDF5, in the
-layout of DROID's trajectories; two whole runs are for the fit. `ur5 convert --into` is killed after
+layout of DROID's trajectories; two whole runs are for the fit. `ur5 convert` is killed after
 a third, and goes on with `--resume`. Printed are, by part, the processor time of an episode and the
 memory; at the end, how many copies have all the data of their originals. All of it remains in
 results/benchmark_episodes.

@@ -18,7 +18,9 @@ WORDS_OF_SIGN = {  # below and above the middle, where a number is best
 ASIDE = re.compile(r"\(?before: .*|\([^()]*: [^()]*\)")  # what a number was, or is compared with
 COUNTED = re.compile(r"^([^,]*?[a-rt-z])s\b")
 # Numbers that no row of verdicts.csv has: joints, recordings, shares that intervals are for.
-NAMES = re.compile(r"\bR\d+\b|\bjoints? \d+(?:(?:, | and | to )\d+)*|95 %|\b[12]:1\b|F̂\S*|±")
+NAMES = re.compile(
+    r"\bR\d+\b|\bur\d+\w*|\bjoints? \d+(?:(?:, | and | to )\d+)*|95 %|\b[12]:1\b|F̂\S*|±"
+)
 
 
 def checked(page: HtmlElement, verdicts: pd.DataFrame) -> int:

@@ -286,7 +286,7 @@ def _checked(proposal: Proposal) -> tuple[list[ImportedRecording], FormOfFile]:
 
 
 def _leave_efforts_out(proposal: Proposal) -> None:
-    """Leave the efforts out of a proposal, in place: without the joints' angles, gravity tells
+    """Leave the efforts out of a proposal, in place: without the joints' angles, gravity shows
     nothing of them.
     """
     for name in [name for name in proposal.channels if name in EFFORT_MEANINGS]:

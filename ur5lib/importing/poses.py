@@ -207,8 +207,8 @@ def _size(offset: Array, tool: bool) -> float:
 
 
 def form_of_rotation(pose: Pose, q: Array, arm: Robot) -> str:
-    """Return in words the form in which a pose tells how the flange of an arm, or a tool on it,
-    turns; "" where none fits, or it hardly turns. q: (N, n) [rad], in the arm's order.
+    """Return in words the form in which a pose gives how the flange of an arm, or a tool on it,
+    turns; "" where none fits, or it turns too little. q: (N, n) [rad], in the arm's order.
     """
     from scipy.spatial.transform import Rotation  # slow to import; few files need it
 
@@ -224,7 +224,7 @@ def form_of_rotation(pose: Pose, q: Array, arm: Robot) -> str:
 
 
 def _forms(rotation: Array) -> Iterator[tuple[str, "Rotation"]]:
-    """Yield the forms in which columns (N, k) may tell a rotation, and what it is then."""
+    """Yield the forms in which columns (N, k) may give a rotation, and what it is then."""
     from scipy.spatial.transform import Rotation
 
     if rotation.shape[1] == 9:
