@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binom
+from scipy.special import bdtr
 
 from ur5lib.judging.limits import BELIEVED, MAX_LOAD_ERROR, MIN_USABLE_SHARE
 from ur5lib.judging.study import StudyTables
@@ -190,7 +190,8 @@ def _state_of_load(
     """
     if (rows["taken"] == "yes").any():
         return "usable", "loaded"
-    if (~agree).sum() > binom.ppf(BELIEVED, len(rows), 1 - BELIEVED):
+    others = int((~agree).sum())
+    if others and bdtr(others - 1, len(rows), 1 - BELIEVED) >= BELIEVED:  # P(fewer)
         return "usable", "disagrees"
     if rows["half"].max() > MAX_LOAD_ERROR * carried:
         return "not determined", "load_unsure"
