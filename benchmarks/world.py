@@ -3,12 +3,14 @@
     python -m benchmarks.world [<situation> ...] [--seeds <n>] [--page] [--quick]
 
 A study has recordings to fit on, a free one, one that is pushed in motion and one at rest; what its
-situation changes, `benchmarks/harness/situations.py` lists. Recordings are simulated, written as
-files of RTDE channels, and taken through the workflow up to the tables. In contact, by the truth:
-error of the force beside that of plain least squares and of an estimate of zero, share inside the
-95 % band, its interval score (width and 40 times what lies outside) there and in all samples with a
-known force, and its width over that of the narrowest one that would hold 95 %; contacts found,
-false alarms; known torque constants inside their interval; stop signs; the state of the forces.
+situation changes, `benchmarks/harness/situations.py` lists. Each draws its own paths and pushes;
+friction and held torques vary from run to run. Recordings are simulated, written as files of RTDE
+channels, and taken through the workflow up to the tables. In contact, by the truth: error of the
+force beside that of plain least squares and of an estimate of zero, share inside the 95 % band, its
+interval score (width and 40 times what lies outside), there and in all samples with a known force,
+beside plain's, whose even band holds 95 % of what is untouched, and its width over that of the
+narrowest one that would hold 95 %; contacts found, false alarms; known torque constants inside
+their interval; stop signs; the state of the forces.
 What is built stays in raw/world and results/world-*. `--page` writes docs/world.md.
 """
 
@@ -41,6 +43,7 @@ from ur5lib.stand.simulate import simulate
 from ur5lib.stand.truth import TrueParameters, Truth
 from ur5lib.study.arms import base_gravity
 from ur5lib.tables import read_csv, read_record
+from ur5lib.timeseries.arrays import Array
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.metrics import NORMAL95, interval_scores
 from ur5lib.timeseries.segments import spans
@@ -56,7 +59,8 @@ HEAD = """# A world of situations
 
 Each line is a study on the [virtual test stand](methods.md#virtual-test-stand), {seeds} seeds: two
 fits in motion and one with stops, a free recording, one that is pushed in motion and one at rest,
-with one thing changed. `python -m benchmarks.world --page` writes this page;
+with one thing changed; each draws its own paths and pushes. Friction and the torques held at stops
+vary from run to run. `python -m benchmarks.world --page` writes this page;
 `benchmarks/harness/situations.py` has the situations.
 
 ![Error of the force over that of plain least squares, and share inside the 95 % band, a situation a
@@ -65,7 +69,8 @@ row: most are below one, those with an unknown tool above.](pictures/world.svg)
 - Errors are root mean squares of the force vector in contact, by the truth, low-passed as torques
   are; plain: least squares of the external torques.
 - Inside: share of components in the 95 % band; score: its width and 40 times what lies outside,
-  mean of the axes; wide: its width over that which would hold 95 %.
+  mean of the axes, and plain's, whose even band holds 95 % of what is untouched; wide: its width
+  over that which would hold 95 %.
 - Found: contacts of all recordings; false: alarms without one; constants: determined ones whose
   interval contains the truth.
 - At the elbow, no force at the flange is right: contacts count as found, and no error is stated.
@@ -74,7 +79,7 @@ row: most are below one, those with an unknown tool above.](pictures/world.svg)
 FILE, PLAN = "robot.csv", "plan.txt"
 COLUMNS = ["situation", "ours [N]", "plain [N]", "zero [N]", "ours / plain", "inside"]
 COLUMNS += [
-    "score in contact / whole [N]",
+    "score in contact / plain's / whole [N]",
     "wide, moving",
     "wide, resting",
     "found",
@@ -109,20 +114,22 @@ def judged(name: str, seed: int) -> list[dict[str, Any]]:
     own, number = SITUATIONS[name], [*SITUATIONS].index(name)
     study = f"world-{number + 1:02}-{seed}"
     raw, built = RAW / study, RESULTS / study
-    entries = [*recorded(own, seed, raw)]
+    entries = [*recorded(own, seed, number, raw)]
     plan = {"study": study, "title": name, "recordings": entries}
     targets = [f"{built}/tables/{table}.csv" for table in TABLES]
     snakemake(plan, "--cores", "1", "--", *targets)
     return [*counts(name, own, raw, built, entries)]
 
 
-def recorded(own: Situation, seed: int, folder: Path) -> Iterator[dict[str, Any]]:
+def recorded(own: Situation, seed: int, number: int, folder: Path) -> Iterator[dict[str, Any]]:
     """Simulate and write the recordings of a situation; yield the study's entries for them."""
     arm = load_robot(robot_path(own.arm))
     gravity = None if own.mounting is None else base_gravity(own.mounting, STANDARD_GRAVITY)
-    for k, (name, role, plan) in enumerate(plans(own, seed, arm)):
+    for k, (name, role, plan) in enumerate(plans(own, [seed, number], arm)):
         at = folder / name
-        plan |= {"seed": 100 * seed + k} | ({"wrist_sensor": {}} if role == "contact" else {})
+        plan |= {"seed": 100 * seed + k, "varied_friction": True} | (
+            {"wrist_sensor": {}} if role == "contact" else {}
+        )
         wanted = f"{own}\n{plan}\n"
         if not (at / PLAN).exists() or (at / PLAN).read_text(encoding="utf-8") != wanted:
             with ExitStack() as changed:
@@ -208,22 +215,34 @@ def errors(
     raised = alarms(forces.log_odds["Fmap"], thresholds.get("Fmap", 0.0))
     found = compare(raised, spans(touched.astype(float), 0.5, 0.5), forces.period)
     needed = np.abs(error[used]) / band[used]
-    score = interval_scores(forces.wrench["Fmap"][:, :3], forces.std["Fmap"][:, :3], true)
-    score = np.where(used | ~touched, score.mean(axis=1), np.nan)
     return {
         "samples": int(used.sum()),
         "ours": float((error[used] ** 2).sum()),
         "plain": float(((plain - true)[used] ** 2).sum()),
         "zero": float((true[used] ** 2).sum()),
         "inside": float((needed <= 1).mean(axis=1).sum()),
-        "score": float(score[used].sum()),
-        "whole": float(np.nansum(score)),
-        "known": int(np.isfinite(score).sum()),
         "wide": 1 / float(np.quantile(needed, 0.95)) if used.any() else np.nan,
         "contacts": found.contacts,
         "found": found.found,
         "false": found.extra if touched.any() else len(raised),
         "minutes": len(size) * forces.period / 60,
+    } | scores(forces, plain, true, used, ~touched)
+
+
+def scores(forces: Forces, plain: Array, true: Array, used: Array, free: Array) -> dict[str, float]:
+    """Return sums of interval scores, mean of the axes: where used, plain's there, and of all.
+
+    plain, true: (N, 3) [N]; used: (N,) bool, in contact; free: (N,) bool, untouched. Plain's band
+    is even, and holds 95 % of what is free.
+    """
+    own = interval_scores(forces.wrench["Fmap"][:, :3], forces.std["Fmap"][:, :3], true)
+    known = np.where(used | free, own.mean(axis=1), np.nan)
+    even = np.nanquantile(np.abs(plain - true)[free], 0.95, axis=0) / NORMAL95
+    return {
+        "score": float(known[used].sum()),
+        "plain_score": float(interval_scores(plain, even, true)[used].mean(axis=1).sum()),
+        "whole": float(np.nansum(known)),
+        "known": int(np.isfinite(known).sum()),
     }
 
 
@@ -246,7 +265,14 @@ def table(rows: pd.DataFrame) -> str:
                 *(told(value, 1) for value in (ours, plain, zero)),
                 told(ours / plain, 2),
                 told(sums["inside"] / count, 2),
-                f"{told(sums['score'] / count, 0)} / {told(sums['whole'] / known, 0)}",
+                " / ".join(
+                    told(value, 0)
+                    for value in (
+                        sums["score"] / count,
+                        sums["plain_score"] / count,
+                        sums["whole"] / known,
+                    )
+                ),
                 *(told(wide.get(kind, np.nan), 1) for kind in ("moving", "resting")),
                 f"{sums['found']:.0f} of {sums['contacts']:.0f}",
                 f"{own['false'].sum():.0f} in {own['minutes'].sum():.1f} min",

@@ -1,6 +1,6 @@
 """The situations of benchmarks/world.py, as differences from a usual study of the test stand."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,7 +16,7 @@ FIT_SECONDS, PATHS = 12.0, 3
 PAUSE = 1.0  # s, at each way-point
 FORCES = 0.5, 4.0  # range of pushes, in typical forces
 START, EVERY, LASTS = 2.0, 4.0, 2.0  # s, of pushes
-MOVING, RESTING = 4, 3  # pushes in motion and at rest
+MOVING, RESTING, HIDDEN = 4, 3, 2  # pushes in motion, at rest, and in a fit
 HARMONICS, MAX_PERIOD = 8, 12.0  # s, of excitations
 
 Plan = dict[str, Any]
@@ -28,8 +28,9 @@ class Situation:
 
     arm, mounting: of the study; tool: distance of the touched point from the flange [m]; declared:
     tool centre point of the study [m], None for none; paths: number of fit paths, of `seconds`
-    each; stops: number of these with pauses; rate: of the files [Hz]; forces: range of pushes [in
-    typical forces]; lasts: their duration [s]; link: the touched one, None for the tool; twice: two
+    each; stops: number of these with pauses; hidden: number of these that are pushed, and are not
+    told so; rate: of the files [Hz]; forces: range of pushes [in typical forces]; lasts: their
+    duration [s]; link, point: the touched place, in its frame [m], None for the tool; twice: two
     pushes at once; press: duration of a slow press at rest in place of pushes [s]; untouched: span
     of its recording [s]; later: further keys of recordings that are not fitted; plan: keys of all
     recordings; constants: of the stand, by name; noise: added to currents [A]; step: quantisation
@@ -43,10 +44,12 @@ class Situation:
     paths: int = PATHS
     seconds: float = FIT_SECONDS
     stops: int = 2
+    hidden: int = 0
     rate: int = 125
     forces: tuple[float, float] = FORCES
     lasts: float = LASTS
     link: int | None = None
+    point: tuple[float, float, float] = (0.0, 0.0, 0.0)
     twice: bool = False
     press: float | None = None
     untouched: tuple[float, float] | None = None
@@ -104,22 +107,28 @@ SITUATIONS: dict[str, Situation] = {
     "slow press, tared": Situation(press=15.0, untouched=(0.0, 1.5)),
     "slow press": Situation(press=15.0),
     "pushes at the elbow": Situation(link=3),
+    "pushes at the forearm": Situation(link=3, point=(0.196, 0.0, 0.0)),
+    "pushes hidden in a fit": Situation(hidden=1),
+    "pushes hidden in two fits": Situation(hidden=2),
     "two pushes at once": Situation(twice=True),
 }
 
 
-def plans(own: Situation, seed: int, arm: Robot) -> Iterator[tuple[str, str, Plan]]:
+def plans(own: Situation, seed: Sequence[int], arm: Robot) -> Iterator[tuple[str, str, Plan]]:
     """Yield name, role and plan of the stand of each recording of a situation."""
     random = np.random.default_rng(seed)
+    force = typical_force(arm)
     for k in range(own.paths):
         stops = k >= own.paths - own.stops
         share = 0.5 if k % 2 == 0 else 0.2
         motion = way_points(random, PAUSE) if stops else fourier(random, share, own.seconds)
-        yield f"fit-{k + 1}", "fit", {"trajectory": motion, "seconds": own.seconds, **own.plan}
+        plan = {"trajectory": motion, "seconds": own.seconds, **own.plan}
+        if k < own.hidden:
+            plan |= {"contacts": [*pushes(own, random, force, HIDDEN)]}
+        yield f"fit-{k + 1}", "fit", plan
     other = {**own.plan, **own.later}
     free = {"trajectory": way_points(random, PAUSE), "seconds": FIT_SECONDS}
     yield "free", "validate", free | other
-    force = typical_force(arm)
     length = START + EVERY * MOVING
     moving = {"trajectory": fourier(random, 0.5, length), "seconds": length}
     yield "moving", "contact", moving | other | {"contacts": [*pushes(own, random, force, MOVING)]}
@@ -147,7 +156,7 @@ def push(
     way = random.normal(size=3)
     where: Plan = {"point": [0.0, 0.0, own.tool]}
     if own.link:
-        where = {"link": own.link, "point": [0.0, 0.0, 0.0]}
+        where = {"link": own.link, "point": [*own.point]}
     force = (size * way / np.linalg.norm(way)).tolist()
     return {"kind": "push", "force": force, "start_s": start, "seconds": seconds} | where
 
