@@ -43,7 +43,7 @@ from ur5lib.stand.simulate import simulate
 from ur5lib.stand.truth import TrueParameters, Truth
 from ur5lib.study.arms import base_gravity
 from ur5lib.tables import read_csv, read_record
-from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.arrays import Array, Mask
 from ur5lib.timeseries.lowpass import zero_phase_lowpass
 from ur5lib.timeseries.metrics import NORMAL95, interval_scores
 from ur5lib.timeseries.segments import spans
@@ -199,8 +199,8 @@ def errors(
     known = truth.at(forces.time)
     wrench, torque = (np.nan_to_num(own) for own in (known.wrench, known.contact_torque))
     true = zero_phase_lowpass(wrench[:, :3], 1 / forces.period, *CURRENTS)
-    size = np.linalg.norm(torque, axis=1)
-    touched = size > max(TOUCHED * size.max(), MIN_TORQUE)
+    size: Array = np.linalg.norm(torque, axis=1)
+    touched: Mask = size > max(TOUCHED * size.max(), MIN_TORQUE)
     external = Currents.read(at / "currents.parquet").external_torque
     assert external is not None
     jacobian = Kinematics.read(at / "kinematics.parquet").jacobian
@@ -229,7 +229,7 @@ def errors(
     } | scores(forces, plain, true, used, ~touched)
 
 
-def scores(forces: Forces, plain: Array, true: Array, used: Array, free: Array) -> dict[str, float]:
+def scores(forces: Forces, plain: Array, true: Array, used: Mask, free: Mask) -> dict[str, float]:
     """Return sums of interval scores, mean of the axes: where used, plain's there, and of all.
 
     plain, true: (N, 3) [N]; used: (N,) bool, in contact; free: (N,) bool, untouched. Plain's band

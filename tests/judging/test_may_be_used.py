@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from tests.current_study import noisy, prior, smooth
@@ -96,6 +97,16 @@ def test_friction_is_judged_without_what_concerns_constants_alone(ur5: Robot, na
         if reason != "contradicted":
             assert may_be_used(parameter(name, **given), fitted, ur5) == ("no", reason)
     assert may_be_used(parameter(name), fit("one path"), ur5) == ("yes", "one_path")
+
+
+def test_friction_has_the_doubts_of_its_constant_and_of_its_velocity(ur5: Robot) -> None:
+    """It is a current times the constant; a sum of terms is tested up to the fastest sample."""
+    sure, far = parameter(), parameter(value=20.0)
+    for constant, reason in ((sure, ""), (far, "constant"), (replace(far, joint=2), "")):
+        fitted = replace(fit(), parameters=[constant], fastest=np.array([0.5, 0.5]))
+        assert may_be_used(parameter("coulomb"), fitted, ur5) == ("yes", reason)
+        assert may_be_used(parameter("total_0.5"), fitted, ur5) == ("yes", reason)
+        assert may_be_used(parameter("total_1"), fitted, ur5) == ("yes", "extrapolated")
 
 
 def test_friction_of_a_joint_without_motion_is_not_used(ur5: Robot) -> None:

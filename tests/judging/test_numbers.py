@@ -231,6 +231,10 @@ def test_the_verdicts_on_currents_are_the_worst_of_these(told: Judged) -> None:
     worst = max(own, key=lambda one: one.error / one.zero)
     assert (relative.joint, relative.value, relative.zero) == (worst.joint, worst.error, worst.zero)
     assert (relative.low, relative.high, relative.recording) == (worst.low, worst.high, "")
+    pooled = of_quantity(told, "currents", "RMSE below 2 Hz, all moving joints")
+    squares = [(one.error**2, one.zero**2, (one.rival_error or 0.0) ** 2) for one in own]
+    means = [mean(column) ** 0.5 for column in zip(*squares, strict=True)]
+    assert [pooled.value, pooled.zero, pooled.rival_value] == pytest.approx(means)
     held = of_quantity(told, "currents", "least share of a joint's readings")
     value, row = largest(filter(in_motion, unseen_currents()), lambda one: -one["coverage95"])
     assert (held.value, held.joint) == (pytest.approx(-100 * value), row["joint"])

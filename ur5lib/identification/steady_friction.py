@@ -37,6 +37,12 @@ def mean_load(records: Sequence[CurrentSamples], smooth: Smooth, terms: Sequence
     )
 
 
+def fastest(records: Sequence[CurrentSamples]) -> Array:
+    """Return the largest speed (n,) [rad/s] of each joint."""
+    speeds: Array = np.max([np.nanmax(np.abs(record.qd), axis=0) for record in records], axis=0)
+    return speeds
+
+
 def friction_curve(model: JointFit, qd: Array, load: float) -> Array:
     """Return a joint's friction (N,) [Nm] at steady velocities (N,) [rad/s], by its parameters.
 

@@ -449,30 +449,22 @@ def _at_postures(study: StudyTables, robot: str, rank: int) -> Iterator[Verdict]
     if recorded.empty:
         return
     count = tried_on["posture"].nunique()
+    largest = float(study.rows("pushes", robot=robot)["largest_tried"].max())
     fitted = study.rows("pushes", robot=robot)["basis"].eq("fit").all()
-    known: dict[str, Any] = {"question": "pushes", "arm": robot, "unit": "N", "sense": "from"}
+    known: dict[str, Any] = {"question": "pushes", "arm": robot, "unit": "N"}
     known |= {"basis": "fit" if fitted else "trial"}
     yield Verdict(
         **known,
         rank=rank + 1,
         quantity="push found with 95 %, by posture and direction",
-        **_range(recorded),
-        interval=f"range over {len(recorded)} of {tried} directions at {count} recorded postures",
+        **_range(tried_on, largest),
+        interval=f"range over {tried} directions at {count} recorded postures",
     )
     for place, (posture, part) in enumerate(rows.groupby("posture", sort=False), start=rank + 2):
-        row = part.iloc[0]
-        yield Verdict(
-            **known,
-            rank=place,
-            quantity=f"push found with 95 %, {posture} posture",
-            **_range(part),
-            interval=f"range over {len(part)} of {tried // count} directions",
-            recording="" if posture == YOURS else str(row["recording"]),
-            motion=row["motion"],
-            posture=str(row["posture_deg"]),
+        yield _at_posture(
+            part, every[every["posture"] == posture], largest, known | {"rank": place}
         )
     if lost := tried - len(recorded):
-        largest = float(study.rows("pushes", robot=robot)["largest_tried"].max())
         quantity = f"directions without a push found, up to {largest:.0f} N"
         yield Verdict(
             **known | {"unit": "", "sense": "less"},
@@ -483,8 +475,28 @@ def _at_postures(study: StudyTables, robot: str, rank: int) -> Iterator[Verdict]
         )
 
 
-def _range(rows: pd.DataFrame) -> dict[str, Any]:
-    return {"low": float(rows["value"].min()), "high": float(rows["value"].max())}
+def _at_posture(
+    found: pd.DataFrame, tried: pd.DataFrame, largest: float, known: dict[str, Any]
+) -> Verdict:
+    """Return the range of the push over directions at one posture."""
+    row = found.iloc[0]
+    return Verdict(
+        **known,
+        **_range(tried, largest),
+        quantity=f"push found with 95 %, {row['posture']} posture",
+        interval=f"range over {len(tried)} directions",
+        recording="" if row["posture"] == YOURS else str(row["recording"]),
+        motion=row["motion"],
+        posture=str(row["posture_deg"]),
+    )
+
+
+def _range(rows: pd.DataFrame, largest: float) -> dict[str, Any]:
+    """Return the range of found pushes, up to beyond the largest trial where one is not found."""
+    low, high = float(rows["value"].min()), float(rows["value"].max())
+    if rows["value"].isna().any():
+        return {"sense": "beyond", "low": low, "high": largest}
+    return {"sense": "from", "low": low, "high": high}
 
 
 def _hardest(rows: pd.DataFrame) -> "pd.Series[Any]":

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ur5lib.judging.contacts import days_away
-from ur5lib.judging.errors import Conditions, by_place, judged, verdicts, with_floors
+from ur5lib.judging.errors import Conditions, by_place, judged, severity, verdicts, with_floors
 from ur5lib.judging.study import StudyTables
 from ur5lib.records.friction import TOTAL
 from ur5lib.records.verdicts import JudgedError, Reason, Verdict, reason_in
@@ -72,6 +72,7 @@ def judge_currents(study: StudyTables, robot: str) -> Iterator[Verdict]:
         count = {one.recordings for one in found}
         interval = f"range over {max(count)} recordings"
         yield from verdicts(every, f"RMSE below {cutoff:g} Hz", interval, basis="unseen", **about)
+        yield _pooled(found, f"RMSE below {cutoff:g} Hz, all moving joints", robot)
         yield from _bands(found, robot)
         yield from _as_torque(found, robot)
         yield from _farthest_in_time(study, robot)
@@ -84,6 +85,30 @@ def _why_not(study: StudyTables) -> Reason:
     if len(moving(study, unseen(study))):
         return "too_small"
     return "no_motion" if study.quiet("validate") else study.why_unseen_is_missing()
+
+
+def _pooled(errors: list[JudgedError], quantity: str, robot: str) -> Verdict:
+    """Return the root mean square of the joints' errors; the decisive joint's reason doubts it."""
+
+    def pooled(name: str) -> float | None:
+        own = [getattr(one, name) for one in errors]
+        return None if None in own else float(np.sqrt(np.mean(np.square(own))))
+
+    decisive = min(errors, key=severity)
+    rival: Any = {"rival": decisive.rival, "rival_value": pooled("rival_error")}
+    return Verdict(
+        question=QUESTION,
+        arm=robot,
+        rank=9,
+        reason=decisive.reason,
+        quantity=quantity,
+        sense="less",
+        value=pooled("error"),
+        unit=decisive.unit,
+        zero=pooled("zero"),
+        basis="unseen",
+        **(rival if rival["rival_value"] is not None else {}),
+    )
 
 
 def _bands(errors: list[JudgedError], robot: str) -> Iterator[Verdict]:

@@ -125,7 +125,7 @@ def verdicts(
     error / zero. The largest on a recording includes errors that are not judged.
     """
     known = [one for one in errors if one.state != "not determined"]
-    first = min(known, key=_gravity)
+    first = min(known, key=severity)
     worst = max(known, key=lambda one: one.error / one.zero)
     relative = f"{quantity}, relatively the largest"
     yield _verdict(first, 1, relative if first is worst else quantity, interval, **about)
@@ -185,7 +185,8 @@ REASONS_BY_GRAVITY: list[Reason] = [
 ]
 
 
-def _gravity(one: JudgedError) -> tuple[int, int, float]:
+def severity(one: JudgedError) -> tuple[int, int, float]:
+    """Return what sorts errors by state, then by reason, then by size, the gravest first."""
     state = STATES_BY_SEVERITY.index(one.state)
     worst = -one.error / one.zero
     if one.reason == "undercovers" and one.coverage95 is not None:

@@ -8,13 +8,14 @@ from typing import Any, NamedTuple
 from ur5lib.judging.limits import MAX_HALF_INTERVAL
 from ur5lib.records.codes import CauseCode
 from ur5lib.records.fits import FrictionRow, TorqueConstant
-from ur5lib.records.friction import Friction, Parameter
+from ur5lib.records.friction import TOTAL, Friction, Parameter
 from ur5lib.records.verdicts import Reason, State, Use
 from ur5lib.robots.description import Robot
 from ur5lib.timeseries.metrics import NORMAL95
 
 OFFSET = "offset"
 UNKNOWN = ("prior_only", "undetermined", "no_motion", "unproven")  # nothing says that it is wrong
+SAME_VELOCITY = 1.02  # of the fastest sample: no extrapolation
 CONSTANT = "torque_constant"  # in a fit, the gain of measured torques has this name, too
 
 
@@ -46,7 +47,7 @@ def may_be_used(
         return MayBeUsed("no", "touched")
     for reason in _obstacles(parameter, fitted, arm):
         return MayBeUsed("no", reason)
-    return MayBeUsed("yes", next(_doubts(parameter, fitted), ""))
+    return MayBeUsed("yes", next(_doubts(parameter, fitted, arm), ""))
 
 
 def _obstacles(parameter: Parameter, fitted: Friction, arm: Robot) -> Iterator[Reason]:
@@ -69,12 +70,19 @@ def _obstacles(parameter: Parameter, fitted: Friction, arm: Robot) -> Iterator[R
         yield "prior_only" if parameter.rests_on_prior else "undetermined"
 
 
-def _doubts(parameter: Parameter, fitted: Friction) -> Iterator[Reason]:
-    """Yield the doubts about a usable parameter, the largest first."""
+def _doubts(parameter: Parameter, fitted: Friction, arm: Robot) -> Iterator[Reason]:
+    """Yield the doubts about a usable parameter, the largest first.
+
+    Friction [Nm] is a current times the joint's constant, and has its doubts.
+    """
+    if _is_extrapolated(parameter, fitted):
+        yield "extrapolated"
     if parameter.name == CONSTANT and _is_far(parameter, fitted):
         yield "far"
     if parameter.name == CONSTANT and _excludes_known(parameter, fitted):
         yield "excludes"
+    if parameter.name not in (CONSTANT, OFFSET) and not _has_sure_constant(parameter, fitted, arm):
+        yield "constant"
     if parameter.name != OFFSET and _is_imprecise(parameter):
         yield "imprecise"
     if CauseCode.ONE_PATH in codes_of(fitted, parameter.joint):
@@ -116,6 +124,21 @@ def _excludes_known(constant: Parameter, fitted: Friction) -> bool:
         return False
     value = known.value[constant.joint - 1]
     return bool(value < low or value > high)
+
+
+def _is_extrapolated(parameter: Parameter, fitted: Friction) -> bool:
+    """Return whether a total is that of a velocity above those of the fit."""
+    if not parameter.name.startswith(TOTAL) or fitted.fastest is None:
+        return False
+    fastest = fitted.fastest[parameter.joint - 1]
+    return bool(float(parameter.name.removeprefix(TOTAL)) > SAME_VELOCITY * fastest)
+
+
+def _has_sure_constant(parameter: Parameter, fitted: Friction, arm: Robot) -> bool:
+    """Return whether a joint's constant has no doubt but those that friction has, too."""
+    own = (one for one in fitted.parameters if one.name == CONSTANT)
+    mine = (may_be_used(one, fitted, arm) for one in own if one.joint == parameter.joint)
+    return all(use.reason in ("", "one_path", "unknown_links") for use in mine)
 
 
 def _is_imprecise(parameter: Parameter) -> bool:

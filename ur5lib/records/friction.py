@@ -158,8 +158,9 @@ class Friction:
     without some paths; usual: of one path, the fit without any recording, which has a part in
     predictions at rest; explained: (6,), share of the currents' variance that the fits without some
     paths explain on these, None with a single path; load: (6,) [Nm], mean |torque of the links| in
-    motion, NaN for a joint that does not move, None without recordings; totals: friction of all
-    terms at that load, see `total_friction`; least_squares: (6, 4), the baseline's coefficients;
+    motion, NaN for a joint that does not move, None without recordings; fastest: (6,) [rad/s], the
+    largest speed in these, likewise; totals: friction of all terms at that load, see
+    `total_friction`; least_squares: (6, 4), the baseline's coefficients;
     cross_validation: (R, R, 6) [A], RMSE of a fit to one recording, tested on another; model: link
     model of the torques; stopped: how the recordings contradict the arm; refused: other reasons why
     there is no fit; remarks: contradictions that the study accepts; effort: the predicted quantity
@@ -179,6 +180,7 @@ class Friction:
     explained: Array | None = None
     parameters: list[Parameter] = field(default_factory=list)
     load: Array | None = None
+    fastest: Array | None = None
     totals: list[Parameter] = field(default_factory=list)
     known_constants: KnownConstants | None = None
     least_squares: Array = field(default_factory=lambda: np.zeros((0, 4)))

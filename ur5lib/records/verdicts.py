@@ -33,6 +33,8 @@ Reason = Literal[
     "far",
     "excludes",
     "imprecise",
+    "extrapolated",
+    "constant",
     "undetermined",
     "worse_than_zero",
     "large_error",
@@ -78,6 +80,8 @@ REASONS: dict[str, str] = {  # a sentence each; {quantity} and {constant} as of 
     "far": "The {constant} is farther from the known one than on 95 % of arms.",
     "excludes": "The 95 % interval excludes the known {constant}.",
     "imprecise": "It is known within ± 50 % or worse.",
+    "extrapolated": "No fit recording moves as fast.",
+    "constant": "The {constant} of the joint is in doubt.",
     "undetermined": "The recordings do not determine it.",
     "worse_than_zero": "The error is not below that of zero or of a constant.",
     "large_error": "The error is a large part of that of zero or of a constant.",
@@ -150,9 +154,9 @@ class Verdict:
     zero or a constant; rival, rival_value: the simple method and its number; floor: repeatability;
     count, of: how many of how many; basis: real, trial, unseen or fit; sense: which numbers are
     good: less or more; a ratio is best at 1, an error or a change with its sign at 0 (below: too
-    small, or fallen); from: it holds from this number on; beyond: it is larger; at most, at
-    least: a limit of it; posture: the joints [°] at which it holds. Without value and count, low to
-    high is the number.
+    small, or fallen); from: it holds from this number on; beyond: it, or its high end, is larger;
+    at most, at least: a limit of it; posture: the joints [°] at which it holds. Without value and
+    count, low to high is the number.
     """
 
     question: str

@@ -94,7 +94,7 @@ def _step(results: Results, row: dict[str, Any]) -> Step:
         joints=_joints(results, row["robot"], row["joints"] or ""),
         detail=detail,
         value=row["value"],
-        place=_center_of_mass(results, recording) if count == 1 else NO_PLACE,
+        place=_center_of_mass(results, recording),
     )
     told = ASKED[row["code"]](asked)
     return replace(told, command=line(detail) or told.command)

@@ -29,7 +29,7 @@ from ur5lib.identification.current_samples import (
 from ur5lib.identification.currents import parameters, predict, torque_constants
 from ur5lib.identification.prior import Prior
 from ur5lib.identification.samples import CurrentSamples, Smooth, record_paths
-from ur5lib.identification.steady_friction import friction_curve, mean_load, total_friction
+from ur5lib.identification.steady_friction import fastest, friction_curve, mean_load, total_friction
 from ur5lib.identification.validation import (
     explained_share,
     fitted_on_tested_on,
@@ -213,6 +213,7 @@ def fitted_friction(
         explained=explained,
         parameters=parameters(fit, prior.measured),
         load=load,
+        fastest=fastest(records),
         totals=total_friction(fit, load),
         known_constants=known_constants(prior),
         least_squares=least_squares_coefficients(records),
