@@ -25,8 +25,8 @@ STATES: dict[str, tuple[State, Reason]] = {
 
 
 def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
-    """Judge by the most serious finding, and count the findings; an excluded recording is more
-    serious than an error.
+    """Judge by the most serious finding, and count the findings, and the recordings that serve any
+    purpose; an excluded recording is more serious than an error.
     """
     quality = study.tables["quality"]
     serious = {*quality["severity"]}
@@ -62,6 +62,14 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
                 sense="less",
                 count=int(counts.get(name, 0)),
             )
+    yield Verdict(
+        question=QUESTION,
+        rank=len(SEVERITIES) + 2,
+        quantity="recordings that serve a purpose",
+        sense="more",
+        count=len({one.recording for one in uses(study) if one.use == "yes"}),
+        of=len(study.roles()),
+    )
 
 
 def worst_finding(study: StudyTables) -> "pd.Series | None":
