@@ -200,17 +200,17 @@ def test_the_most_serious_finding_decides_and_the_largest_share_is_named() -> No
         rows = [finding("note", Found.JITTER), finding(severity, Found.CONTRADICTION)]
         assert state(study(quality=rows), "recordings")[0] == expected
     rows = [finding("warning", count=86), finding("warning", count=250, recording="fitted")]
-    first, stops, warnings, notes = verdicts_of(
+    first, stops, warnings, notes, serving = verdicts_of(
         study(quality=[*rows, finding("warning", Found.JITTER), finding("note")]), "recordings"
     )
     assert (first.recording, first.count, first.of) == ("fitted", 250, 1000)
-    assert (stops.count, warnings.count, notes.count) == (0, 3, 1)
+    assert (stops.count, warnings.count, notes.count, serving.of) == (0, 3, 1, 2)
 
 
 def test_a_finding_in_several_places_of_a_recording_is_one() -> None:
     places = [finding("note", Found.COLUMNS_NOT_USED, place=place) for place in ("a", "b", "c")]
     results = study(quality=[*places, places[0] | {"recording": "fitted"}])
-    assert verdicts_of(results, "recordings")[-1].count == 2
+    assert verdicts_of(results, "recordings")[-2].count == 2
 
 
 # Link models

@@ -6,6 +6,7 @@ every stop sign by efforts.
 """
 
 from dataclasses import replace
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -68,22 +69,25 @@ def pull_on_joints(arm: Robot, q: Array) -> Array:
 
 def spring_on_tool(motion: WholeMotion) -> Spring:
     """Return the spring that explains the efforts best, in addition to the declared links, of
-    currents with a factor a joint, since a constant is no spring, or to any links.
+    currents with a factor a joint, since a constant is no spring, or to any links; measured torques
+    of the opposite sign are its rival.
     """
-    is_known, torque = motion.arm.tells_gravity(), motion.torque
+    is_known, torques = motion.arm.tells_gravity(), [motion.torque]
     links = motion.links[:, :, None] * np.eye(len(motion.joints)) if is_known else motion.regressor
     if is_known and motion.arm.measured == TORQUE:
-        torque, links = torque - motion.links, links[:, :, :0]
+        torques = [sign * motion.torque - motion.links for sign in (1, -1)]
+        links = links[:, :, :0]
     pull = pull_on_joints(motion.arm, motion.means.q)
     ridges, first = RIDGES[:1] if is_known else RIDGES, links.shape[2]
     held, sprung = (
         Regression(np.concatenate([links, *more, motion.friction], axis=2), ridges)
         for more in ([], [pull])
     )
-    fits = sprung.coefficients(torque)[:, first : first + pull.shape[2]]
+    fits = sprung.coefficients(torques[0])[:, first : first + pull.shape[2]]
     error = float(np.sqrt(STRETCHES - 1) * fits[:, 0].std())
-    ahead = lead(sprung.misfit(torque), held.misfit(torque), motion.joints)
-    return Spring(fits.mean(axis=0), error, ahead)
+    own, rivals = sprung.misfit(torques[0]), map(held.misfit, torques)
+    ahead = [lead(own, rival, motion.joints) for rival in rivals]
+    return Spring(fits.mean(axis=0), error, min(ahead, key=attrgetter("size")))
 
 
 def without_spring(checked: Checked, spring: Spring) -> Checked:
