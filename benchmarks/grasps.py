@@ -1,12 +1,12 @@
-"""Which loads that are taken up within a recording are found, and what is taken for one.
+"""Which loads that are taken up within a recording are found: a part of docs/benchmark.md.
 
-    python -m benchmarks.grasps [--folder ../shared] [--quick] [count]
+    python -m benchmarks.grasps [--folder ../shared] [--page] [--quick] [count]
 
 Into UR10e and UR3 recordings without contact, the gravity torque of a load of 0.5 to 3 kg is put by
 the maker's torque constants, at drawn times. It is found if it alone is told, with both times right
 within 1 s. Where only other joints move, gravity may hardly show it. Pieces of all
 recordings, and of the default study's motions with other seeds and pauses, are looked at as they
-are, and with a push of 2 s and 10 to 60 N, whose force swings.
+are, and with a push of 2 s and 10 to 60 N, whose force swings. `--page` writes the part.
 """
 
 import tempfile
@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from benchmarks.harness.markdown import markdown
+from benchmarks.harness.markdown import markdown, read_page, replaced, write_page
 from benchmarks.harness.options import options_of
 from benchmarks.harness.right_logs import PROJECT, RightLog, checked, real_logs
 from ur5lib.checks.checked import Checked
@@ -30,6 +30,8 @@ from ur5lib.stand.simulate import simulate
 from ur5lib.tables import channel, named
 from ur5lib.timeseries.arrays import Array
 
+PAGE = PROJECT / "docs" / "benchmark.md"
+TITLE = "Loads that change"
 COUNT = 100
 ARMS, PAUSES = ("ur5", "ur10", "ur3", "ur5e"), (0.5, 1.0, 3.0, 5.0)  # s
 WITH_CONTACT = ("push", "-load", "Load")  # in names of UR10e recordings
@@ -44,13 +46,17 @@ def main() -> None:
     options = options_of(__doc__)
     options.add_argument("count", nargs="?", type=int, default=COUNT, help="of each kind")
     options.add_argument("--folder", type=Path, default=Path("../shared"), help="reference data")
+    options.add_argument("--page", action="store_true", help="write docs/benchmark.md as well")
     given = options.parse_args()
     count = 2 if given.quick else given.count
     still = [*simulated(1 if given.quick else len(ARMS))]
     logs = [*still, *([] if given.quick else real_logs(given.folder))]
     logs = [own for own in logs if is_long(own.checked)]
     free = [own for own in logs if own.arm in ("ur10e", "ur3") and is_free(own.name)] or logs
-    print(markdown(["what", "of", "told"], [*of_loads(free, count), *of_none(logs, count)]))
+    text = markdown(["what", "of", "told"], [*of_loads(free, count), *of_none(logs, count)])
+    print(text)
+    if given.page:
+        write_page(replaced(read_page(PAGE), TITLE, text), PAGE)
 
 
 def is_free(name: str) -> bool:

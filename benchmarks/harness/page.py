@@ -26,6 +26,7 @@ OF_OTHER_COMMANDS = (  # titles of sections
     "Torque from motion",
     "Currents from motion alone",
     "Friction beside published values",
+    "Loads that change",
 )
 SIMULATED = "Simulated arms"  # title of the section that `simulated_contacts` measures
 ABSENT = "Estimators of the tables above that did not run on all of these seeds:"
