@@ -48,7 +48,7 @@ PARTS = {
     "published": Part("a part of docs/benchmark.md", "benchmarks.published_friction --page"),
     "torques": Part("a part of docs/benchmark.md", "benchmarks.torque_from_motion --page"),
     "motion": Part("a part of docs/benchmark.md", "benchmarks.motion_alone --page"),
-    "grasps": Part("a part of docs/benchmark.md", "benchmarks.grasps --page", hours=True),
+    "grasps": Part("a part of docs/benchmark.md", "benchmarks.grasps --page"),
     "installed": Part("docs/data/installed.csv", "benchmarks.installed --page", hours=True),
     "leaderboard": Part("docs/benchmark.md", "benchmarks.leaderboard --page", hours=True),
     "paths": Part(
