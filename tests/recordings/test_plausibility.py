@@ -245,6 +245,16 @@ def test_positions_that_fall_to_zero_were_lost(rows: slice) -> None:
     assert reported == (fallen == 0.0).sum()
 
 
+@pytest.mark.parametrize(("times", "kept"), [(6, True), (1, False)])
+def test_a_torque_that_is_often_zero_was_commanded_so(times: int, kept: bool) -> None:
+    """A controller takes it off where a joint stands; a file loses one block."""
+    torque = 3.0 + np.linspace(0.0, 1.0, COUNT)
+    for start in np.linspace(0, COUNT, times, endpoint=False).astype(int):
+        torque[start : start + 60 // times] = 0.0
+    wrong, _ = lost({"actual_torque_0": torque, "actual_torque_1": np.linspace(1, 2, COUNT)})
+    assert wrong.any() != kept
+
+
 def test_rows_that_lost_a_cell_are_counted_once() -> None:
     columns = {f"actual_q_{joint}": np.linspace(1.0, 2.0, COUNT) for joint in range(2)}
     columns["actual_q_0"][10:20] = columns["actual_q_1"][15:30] = 0.0

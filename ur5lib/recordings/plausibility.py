@@ -27,10 +27,12 @@ MIN_LEAP = 5.0  # times the largest usual step; a value that falls to zero by mo
 USUAL_QUANTILE = 0.99  # quantile of a column's steps that is still usual
 # Channels that are never zero for long while other joints' are not.
 NOISY_COLUMNS = "actual_current_"
+TORQUES = [name for name, spec in CHANNELS.items() if spec.of_joints and spec.unit == "Nm"]
 LIKELY_UNITS = {"rad": "deg", "rad/s": "deg/s", "A": "mA"}  # by the unit that is exceeded
 NAMES_OF_UNITS = {"deg": "degrees", "deg/s": "degrees"}
 ROUNDED_SPEED = 0.1  # rad/s; drivers round smaller velocities to zero
 MIN_DEAD_ROWS = 5  # of zeros of some joints' currents, which were not received
+MIN_TIMES_ZERO = 3  # at which a torque is zero that was commanded so; a file loses a block or two
 MIN_POWERLESS_ROWS = 50  # of zeros of all currents, of an arm without power
 # In any unit. Single precision ends at 1e-45; what is nearer to zero is stray bytes.
 SMALLEST_VALUE = 1e-50
@@ -186,13 +188,13 @@ def drop_unwritten(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame
 def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     """Return a table with NaN where a value falls to exactly zero at once, or one joint's current
     is zero for several rows while others are not.
+
+    Torques that are often zero were commanded so.
     """
     values = table.to_numpy(float)
     near_zero = np.abs(values) < SMALLEST_VALUE
     stray = (values != 0.0) & near_zero & ~near_zero.all(axis=0)
-    # velocities of slow joints are rounded to zero
-    least = [ROUNDED_SPEED if "_qd_" in name else 0.0 for name in table]
-    fallen = [_fallen(values[:, k], leap) for k, leap in enumerate(least)]
+    fallen = [_fallen(values[:, k], leap) for k, leap in enumerate(_least_leaps(table))]
     wrong = stray | np.stack(fallen, axis=1)
     if "time" in table:  # a clock may start anew at zero
         wrong[:, table.columns.get_loc("time")] &= ~_restarts(table["time"].to_numpy(float))
@@ -204,6 +206,24 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
     detail = "values drop to exactly zero, as where a file lost a block; not used"
     add_finding(findings, "robot", Found.ZEROED_CELLS, "warning", wrong.any(axis=1).sum(), detail)
     return table.mask(wrong)
+
+
+def _least_leaps(table: pd.DataFrame) -> list[float]:
+    """Return by column the leap from which on a fall to zero was not received."""
+    # velocities of slow joints are rounded to zero
+    least = {name: ROUNDED_SPEED if "_qd_" in name else 0.0 for name in table}
+    for channel in TORQUES:
+        names = [name for name in columns(channel, MOST_JOINTS) if name in table]
+        if names and _is_often_zero(table[names].to_numpy(float)):
+            least |= dict.fromkeys(names, math.inf)
+    return [*least.values()]
+
+
+def _is_often_zero(torques: Array) -> bool:
+    """Return whether torques (N, k) are zero at several times, in more cells than files lose."""
+    zero = torques == 0.0
+    times = len(runs(zero.any(axis=1)))
+    return bool(zero.mean() > MAX_SHARE_IMPOSSIBLE) and times >= MIN_TIMES_ZERO
 
 
 def _restarts(time: Array) -> Mask:
