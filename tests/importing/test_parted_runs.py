@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import shared_folder
-from tests.entries import in_words, read_recording
+from tests.entries import in_words, read_and_check, read_recording
 from tests.synthetic import poor_log
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement
@@ -74,14 +74,18 @@ def test_other_rows_are_joined_by_time(tmp_path: Path, run: dict[str, Array]) ->
     assert [row.taken_for for row in one.account if row.subject == "rows"] == ["those of q.csv"]
 
 
-def test_a_state_an_input_and_a_time_are_one_run(tmp_path: Path, run: dict[str, Array]) -> None:
+def test_a_state_an_input_and_a_time_are_one_run(
+    tmp_path: Path, run: dict[str, Array], ur5: Robot
+) -> None:
     """The last state has no input, as where an integrator wrote the files."""
     state = np.hstack([run["q"], run["qd"]])
     time = run["time"][:, None]
     files = saved(tmp_path / "run", trajectory=state, input=run["i"][:-1], time=time)
-    expect_joined(files, run, slice(-1))
+    expect_joined(files, {name: rows[:-1] for name, rows in run.items()})
     (one,) = import_files(runs_of(files), ARM)
     assert "input.csv: the last of 1,500 rows is missing" in in_words(one.account)
+    found = read_and_check(one.entry, ur5, 0.1).quality.findings
+    assert [f.code for f in found if f.severity != "note"] == []
 
 
 def test_public_states_inputs_and_times_are_runs() -> None:
@@ -90,7 +94,7 @@ def test_public_states_inputs_and_times_are_runs() -> None:
     assert [one.entry["name"] for one in both] == ["measurement_1", "measurement_2"]
     for one in both:
         table = read_recording(one.entry).robot.table
-        assert len(table) == 937
+        assert len(table) == 936
         assert np.diff(table["time"]) == pytest.approx(0.004, abs=1e-9)
         assert "in an unknown unit: Nm by habit" in in_words(
             one.account

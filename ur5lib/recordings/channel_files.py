@@ -25,7 +25,7 @@ def channel_file_arrays(
     """Return the numbers (n, k) of text files, by their names in a folder.
 
     Rows belong together by their number, so that a line that is lost inside a file would shift all
-    later ones: raises InputError for it. A last one may be missing, as the input of a last state.
+    later ones: raises InputError for it. A file may lack the last, as the input of a last state.
     """
     there = sorted(path.name for path in folder.iterdir() if path.is_file())
     tables = {
@@ -34,12 +34,20 @@ def channel_file_arrays(
         if wanted is None or name in wanted
     }
     most = max((len(rows) for rows in tables.values()), default=0)
-    for name, rows in tables.items():
-        if rows.shape[1] < len(rows) == most - 1 and not has_stamps(rows):
-            meaning = f"the last of {most:,} rows is missing, as the input of a last state"
-            Log(folder / name, "robot", findings).add(Found.MISSING_LAST_ROW, "note", 1, meaning)
-            tables[name] = np.vstack([rows, np.full(rows.shape[1], np.nan)])
-    return tables
+    short = [
+        name
+        for name, rows in tables.items()
+        if rows.shape[1] < len(rows) == most - 1 and not has_stamps(rows)
+    ]
+    meaning = (
+        f"the last of {most:,} rows is missing, as the input of a last state, which is left out"
+    )
+    for name in short:
+        Log(folder / name, "robot", findings).add(Found.MISSING_LAST_ROW, "note", 1, meaning)
+    return {
+        name: rows[: most - 1] if short and len(rows) == most else rows
+        for name, rows in tables.items()
+    }
 
 
 def has_stamps(rows: Array) -> bool:
