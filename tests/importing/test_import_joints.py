@@ -17,6 +17,7 @@ from ur5lib.commands.described import describe_urdf
 from ur5lib.errors import InputError
 from ur5lib.importing.contents import UserStatement, contents
 from ur5lib.importing.files import import_files
+from ur5lib.importing.parted_runs import runs_of
 from ur5lib.robots.description import load_robot
 from ur5lib.stand.controller_channels import frames
 from ur5lib.stand.plan import SimulatedRecording
@@ -119,6 +120,17 @@ def test_columns_without_names(log: dict[str, Array]) -> None:
     (found,) = import_files([Path("run.csv")])
     channels = ("actual_torque", "actual_qd", "actual_q")
     assert found.entry["columns"] == ["time", *(f"{c}_{k}" for c in channels for k in range(7))]
+
+
+def test_numbers_that_import_gave_to_columns_are_no_names(log: dict[str, Array]) -> None:
+    """A file of positions beside velocities has no order but that of its columns."""
+    state = np.hstack([log["q"], log["dq"]])
+    for name, rows in {"time": log["t"], "trajectory": state, "input": log["tau_J"]}.items():
+        np.savetxt(f"{name}.csv", rows, delimiter=",")
+    files = [Path(f"{name}.csv") for name in ("time", "trajectory", "input")]
+    (found,) = import_files(runs_of(files), UserStatement(robot="mine"))
+    assert found.entry["channels"]["actual_q"] == [f"trajectory.csv_{k}" for k in range(7)]
+    assert "as named in" not in in_words(found.account)
 
 
 def test_degrees_and_torques_of_the_opposite_sign(log: dict[str, Array]) -> None:

@@ -42,7 +42,7 @@ class ColumnBlock:
     block's time stamps; factors: by which the file's numbers were multiplied, empty if they are as
     read; joints: number of joints of the file's arm; stated: the block's meaning if the user, the
     numbers or the whole of which it is a part give it, "" if its own name does; is_known: whether
-    its unit is.
+    its unit is; of_array: whether the names are an array's with numbers that the file has not.
     """
 
     names: tuple[str, ...]
@@ -52,6 +52,7 @@ class ColumnBlock:
     joints: int = JOINTS_OF_UR
     stated: str = ""
     is_known: bool = True
+    of_array: bool = False
 
     def scaled(self, factors: Array | float) -> "ColumnBlock":
         """Return the block with each column multiplied by a factor."""
@@ -74,13 +75,14 @@ class ColumnBlock:
         """Return the block with some of its columns, by their numbers from 0; columns of an array
         are named `<name>_<k>`.
         """
-        kept = [*kept]
+        kept, of_array = [*kept], len(self.names) == 1
         every = (
-            self.names
-            if len(self.names) > 1
-            else [f"{self.names[0]}_{k}" for k in range(self.rows.shape[1])]
+            [f"{self.names[0]}_{k}" for k in range(self.rows.shape[1])] if of_array else self.names
         )
-        return replace(self, names=tuple(every[k] for k in kept), rows=self.rows[:, kept])
+        names = tuple(every[k] for k in kept)
+        return replace(
+            self, names=names, rows=self.rows[:, kept], of_array=of_array or self.of_array
+        )
 
     @property
     def title(self) -> str:

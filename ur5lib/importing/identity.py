@@ -271,12 +271,14 @@ def names_order(moving: ImportedMotion) -> Literal["name", "number", ""]:
 
 
 def _counts(block: ColumnBlock) -> bool:
-    """Return whether the names of a block number the joints from 0 or 1, whatever is before."""
+    """Return whether the file's names of a block number the joints from 0 or 1, whatever is
+    before.
+    """
     places = [place_of(name)[1] for name in block.names]
     first = min(places[0], 1)
     return (
         len(places) > 1
-        and not block.is_nameless()
+        and not (block.is_nameless() or block.of_array)
         and places == [*range(first, first + len(places))]
     )
 
