@@ -29,6 +29,7 @@ from ur5lib.judging.links import judge_links
 from ur5lib.judging.recordings import SEVERITIES, felt_while_fitted, judge_recordings, uses
 from ur5lib.judging.study import StudyTables, read_tables
 from ur5lib.records.codes import Found
+from ur5lib.records.quality import STOP
 from ur5lib.records.verdicts import FalseAlarms, Verdict
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.steps.judge_study import Judged, judged
@@ -860,9 +861,17 @@ def test_of_several_stops_and_loads_the_first_is_asked_for_alone() -> None:
     loads = [load | {"recording": f"c{k}", "mass": 0.5 * k} for k in (1, 2)]
     given = [*advice(tables_of([V1], quality=stops, payload=loads))]
     (stop,) = (one for one in given if one.code == "stop_recording")
-    assert stop.recording == "v1"
+    assert (stop.recording, stop.recordings) == ("v1", 2)
     (carried,) = (one for one in given if one.code == "payload")
     assert (carried.recording, carried.recordings, carried.value) == ("c1", 2, 1.5)
+
+
+def test_a_stop_sign_of_an_arm_that_repeats_a_recording_s_is_no_step_of_its_own() -> None:
+    stops = [finding("stop", recording="v1", detail="no unit")]
+    for remark, code in (("v1 has a stop sign: no unit", []), ("no gear", ["stop_arm"])):
+        remarks = [{"robot": "ur5", "step": STOP, "remark": remark}]
+        given = advice(tables_of([V1], quality=stops, remarks=remarks))
+        assert [one.code for one in given if one.code == "stop_arm"] == code
 
 
 @pytest.mark.parametrize(

@@ -349,6 +349,12 @@ def test_a_force_is_good_only_in_every_respect(rows: list[dict], expected: tuple
     assert state(stopped, "force") == ("do not use", "stopped")
 
 
+def test_without_a_sensor_fitted_friction_is_not_denied() -> None:
+    """Though no force is estimated, as where a joint never moves."""
+    assert state(study(friction=[constant(1, 10.0)]), "force") == ("not determined", "no_sensor")
+    assert state(study(), "force") == ("not determined", "uncalibrated")
+
+
 def test_no_mean_over_axes_hides_the_worst_one() -> None:
     rows = touched(2.0) + touched(3.0, "seen", mean_force=7.0)
     rows[2] |= {"mae": 6.0, "mean_force": 15.5}

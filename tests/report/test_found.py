@@ -357,7 +357,9 @@ def test_loads_are_findings() -> None:
 
 def test_without_a_search_no_contact_is_denied() -> None:
     (told,) = findings(study(RESTING))
-    assert told.startswith("No contact was searched for")
+    assert told.startswith("No contact was searched for: no friction was fitted")
+    (told,) = findings(study(RESTING, friction=[{"robot": "ur5", "joint": 1}]))
+    assert "no friction" not in told
     quiet = SENSED | {"largest_force_n": 2.0, "contacts": 0, "share_in_contact": 0.0}
     assert [text for text in sentences(study(sensed=[quiet])) if "force sensor" in text]
     searched = [rates("seen", estimate=LEADING)]

@@ -37,12 +37,7 @@ def corrections(study: StudyTables) -> Iterator[Advice]:
     that denies them, payloads that only the currents show, and constants far from the documented
     ones.
     """
-    for row in study.rows("quality", severity="stop")[:1].itertuples():
-        yield Advice(
-            code=Asks.STOP_RECORDING, kind="correction", recording=row.recording, detail=row.detail
-        )
-    for row in study.rows("remarks", step=STOP)[:1].itertuples():
-        yield Advice(code=Asks.STOP_ARM, kind="correction", robot=row.robot, detail=row.remark)
+    yield from _stops(study)
     yield from _of_recordings(Asks.TOUCHED, study.touched())
     felt = [name for name in felt_while_fitted(study) if name not in study.touched()]
     yield from _of_recordings(Asks.FELT, felt)
@@ -60,6 +55,18 @@ def corrections(study: StudyTables) -> Iterator[Advice]:
             yield Advice(
                 code=Asks.CONTRADICTION, kind="correction", robot=robot, joints=_listed(shown)
             )
+
+
+def _stops(study: StudyTables) -> Iterator[Advice]:
+    """Yield the first stop sign of a recording and the first of an arm that is not one of these."""
+    stops = study.rows("quality", severity="stop")
+    for detail in stops["detail"][:1]:
+        names = [*stops.loc[stops["detail"] == detail, "recording"].unique()]
+        yield from _of_recordings(Asks.STOP_RECORDING, names, detail=detail)
+    for row in study.rows("remarks", step=STOP).itertuples():
+        if not any(detail in row.remark for detail in stops["detail"]):
+            yield Advice(code=Asks.STOP_ARM, kind="correction", robot=row.robot, detail=row.remark)
+            return
 
 
 def _of_recordings(

@@ -81,9 +81,10 @@ def judge_force(study: StudyTables) -> Iterator[Verdict]:
 
 def _why_not(study: StudyTables) -> Reason:
     """Return why no sensor judges the force."""
-    if study.rows("detection", estimate=GATED).empty:
-        return "uncalibrated"
-    return "no_contact" if len(study.tables["force_mae"]) else "no_sensor"
+    if study.tables["force_mae"].empty and len(study.tables["friction"]):
+        return "no_sensor"
+    unsearched = study.rows("detection", estimate=GATED).empty
+    return "uncalibrated" if unsearched else "no_contact"
 
 
 def state_of(rows: pd.DataFrame) -> tuple[State, Reason]:

@@ -226,7 +226,12 @@ def _readings(results: Results) -> Iterator[str]:
 def _unsearched(results: Results) -> Iterator[str]:
     """Report that no contacts were searched for, so that their absence means nothing."""
     if searched(results).empty and results.tables["sensed"].empty:
-        yield ("No contact was searched for: no friction was fitted, and no force sensor recorded.")
+        why = (
+            "no force was estimated"
+            if len(results.tables["friction"])
+            else "no friction was fitted"
+        )
+        yield f"No contact was searched for: {why}, and no force sensor recorded."
 
 
 def left_out(results: Results) -> list[str]:

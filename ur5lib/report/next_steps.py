@@ -116,9 +116,10 @@ def _center_of_mass(results: Results, recording: str) -> str:
 
 
 def _stop_recording(asked: Asked) -> Step:
-    wrong = f"Correct “{asked.recording}” or its entry"
+    entry = "their entries" if asked.several else "its entry"
+    wrong = f"Correct {asked.recordings} or {entry}"
     if known := remedy(asked.detail):
-        wrong = f"On “{asked.recording}”, {known}"
+        wrong = f"On {asked.recordings}, {known}"
     return Step(f"{wrong}: {claim(asked.detail)}.", asked.check(asked.recording))
 
 
