@@ -145,6 +145,15 @@ def test_paths_are_compared_at_a_tenth_of_a_second(period: float, every: int, sa
     assert record_paths([one, other]).tolist() == [0, int(not same)]
 
 
+def test_a_command_that_is_sent_again_is_one_path() -> None:
+    """However the arm follows it; efforts that never change are none."""
+    one = make_record(0)
+    other = replace(one, q=one.q + 1.0)
+    assert record_paths([one, make_record(1), other]).tolist() == [0, 1, 0]
+    still = [replace(own, current=0 * own.current) for own in (one, other)]
+    assert record_paths(still).tolist() == [0, 1]
+
+
 def scaled(share: float, values: Array, _: object) -> Array:
     return share * values
 

@@ -85,6 +85,16 @@ def test_a_copy_is_said_of_both(log: pd.DataFrame, check: Callable, copy: str) -
     assert printed.count("run, other are one run: their rows are equal, and other would count") == 1
 
 
+def test_a_command_that_is_sent_again_is_no_measurement(log: pd.DataFrame, check: Callable) -> None:
+    """The arm follows it otherwise; a copy of the whole run is said to be one alone."""
+    sent, again = log.round(5), "run and other have the same efforts"
+    moved = sent.assign(**{name: 1.01 * sent[name] for name in columns("actual_q")})
+    status, printed = check(moved)
+    assert (status, printed.count(again)) == (0, 1)
+    assert again not in check(sent)[1]
+    assert again not in check(repeated(sent))[1]
+
+
 def test_a_copy_is_said_of_a_recording_that_is_named(log: pd.DataFrame, check: Callable) -> None:
     status, printed = check(log, "run")
     assert status == 0

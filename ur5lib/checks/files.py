@@ -71,8 +71,8 @@ def findings(
     """Return the findings about a recording's files and about clocks without a measured drift.
 
     Among them are a note for each device's file, with its checksum and the count 1 if it is used,
-    else 0, and one with the fingerprint of the robot's rows: `name_copies` keeps those that several
-    recordings have.
+    else 0, and those with the fingerprints of the robot's rows and efforts: `name_copies` keeps
+    those that several recordings have.
     """
     contradictions = contradictions or Contradictions()
     found = [*contradictions.stop_signs, *quality.findings, *contradictions.findings]
@@ -86,6 +86,7 @@ def findings(
     fingerprint = " ".join(map(str, quality.fingerprint))
     found.append(Finding("robot", Found.SAME_RUN, "note", 0, fingerprint))
     found.append(Finding("robot", Found.ENDS, "note", 0, quality.ends))
+    found.append(Finding("robot", Found.REPEATED_COMMAND, "note", 0, quality.efforts))
     for sensor, clock in (clocks or {}).items():
         found += _doubts_of(cast(Device, sensor), clock)
     return found
@@ -128,19 +129,20 @@ def spare_copies(quality: pd.DataFrame, roles: Mapping[str, str]) -> list[str]:
 
 
 def name_copies(quality: pd.DataFrame, roles: Mapping[str, str] | None = None) -> pd.DataFrame:
-    """Return the findings of all recordings; those on files and runs only if several recordings
-    have them.
+    """Return the findings of all recordings; those on files, runs and efforts only if several
+    recordings have them.
 
     quality: with the notes on all device files and robots' rows; the finding of each copy names the
     other recordings; roles: by recording, which decide whether a copy is left out or a stop sign.
     """
-    kinds = Found.SAME_FILE, Found.SAME_RUN, Found.ENDS
-    files, runs, ends = (quality[quality["code"] == kind] for kind in kinds)
+    kinds = Found.SAME_FILE, Found.SAME_RUN, Found.ENDS, Found.REPEATED_COMMAND
+    files, runs, ends, efforts = (quality[quality["code"] == kind] for kind in kinds)
     alike = files.groupby(["device", "detail"], sort=False)
     copies = {at: _copy(files.loc[at], own) for _, own in alike if len(own) > 1 for at in own.index}
-    copies |= _repeated(runs, roles or {})
-    copies |= _neighbours(ends, roles or {})
-    others = quality.drop([*files.index, *runs.index, *ends.index])
+    repeated = _repeated(runs, roles or {})
+    copies |= repeated | _neighbours(ends, roles or {})
+    copies |= _commanded_again(efforts, [row["recording"] for row in repeated.values()])
+    others = quality.drop([*files.index, *runs.index, *ends.index, *efforts.index])
     named = pd.DataFrame([*copies.values()], [*copies], quality.columns)
     return pd.concat([others, named]).sort_index() if copies else others
 
@@ -184,6 +186,24 @@ def _neighbours(ends: pd.DataFrame, roles: Mapping[str, str]) -> dict[Any, dict[
         for at, row in ends.iterrows()
         if row["recording"] in fitted
     }
+
+
+def _commanded_again(efforts: pd.DataFrame, copied: Sequence[str]) -> dict[Any, dict[str, Any]]:
+    """Return, by index of `efforts`, the findings of recordings with the efforts of others; copied:
+    recordings whose motion is another's, too.
+    """
+    known = efforts[efforts["detail"].fillna("").ne("") & ~efforts["recording"].isin(copied)]
+    found = {}
+    for _, alike in known.groupby("detail", sort=False):
+        if len(alike) > 1:
+            detail = (
+                f"{' and '.join(alike['recording'])} have the same efforts, number by number, and "
+                "move otherwise: a command that was sent again, or a file copied by mistake; they "
+                "count as one path"
+            )
+            about = {"severity": "warning", "count": len(alike) - 1, "detail": detail}
+            found |= {at: {**row, **about} for at, row in alike.iterrows()}
+    return found
 
 
 def _part(name: str, fitted: Mapping[str, str]) -> str:

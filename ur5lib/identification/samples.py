@@ -4,6 +4,7 @@ The current and all columns pass the same zero-phase low-pass, so that both side
 comparable; fast changes of the measured current are noise.
 """
 
+import hashlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
@@ -98,6 +99,11 @@ class CurrentSamples:
         if key not in self._thinned:
             self._thinned[key] = thinned()
         return self._thinned[key]
+
+    def command(self) -> str:
+        """Return a hash of the efforts of all samples, empty if they never change."""
+        changes = (self.current != self.current[0]).any()
+        return hashlib.sha256(self.current.tobytes()).hexdigest() if changes else ""
 
     def joint(self, joint: int) -> JointMotion:
         """Return the motion of a joint, from 0."""
@@ -248,8 +254,15 @@ def joint_samples(
 
 
 def record_paths(records: Sequence[CurrentSamples]) -> Labels:
-    """Return labels (R,) of recordings by their trajectory."""
-    return group_by_path([recorded_path(record) for record in records])
+    """Return labels (R,) of recordings by their trajectory; a command that is sent again is one,
+    however the arm follows it.
+    """
+    labels = group_by_path([recorded_path(record) for record in records])
+    first = dict[str, int]()
+    for place, record in enumerate(records):
+        commanded = record.once("command", record.command) or str(place)
+        labels[labels == labels[place]] = labels[first.setdefault(commanded, place)]
+    return np.unique(labels, return_inverse=True)[1].astype(np.int64)
 
 
 def record_days(records: Sequence[CurrentSamples]) -> Labels:

@@ -4,6 +4,7 @@ Positions come again where a motion is repeated, but the noise of the efforts re
 does not.
 """
 
+import hashlib
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations
@@ -42,6 +43,16 @@ def fingerprint(frames: pd.DataFrame) -> list[int]:
     return [
         int(one) for one in np.unique(hashes >> np.uint64(64 - EXACT_INTEGER_BITS))[:MAX_ROWS_KEPT]
     ]
+
+
+def efforts_in(frames: pd.DataFrame) -> str:
+    """Return a hash of the efforts of all rows, which a command that is sent again has in common;
+    empty if they were not recorded, or never change.
+    """
+    names = columns(Effort.measured_in(frames).channel, joint_count(frames))
+    if not {*names} <= {*frames} or not frames[names].nunique().max() > 1:
+        return ""
+    return hashlib.sha256(frames[names].to_numpy(float).tobytes()).hexdigest()
 
 
 def _rounded(values: Array, step: float) -> Labels:

@@ -25,7 +25,7 @@ from ur5lib.channels import (
 )
 from ur5lib.errors import InputError, some
 from ur5lib.recordings.added import is_added
-from ur5lib.recordings.copies import fingerprint
+from ur5lib.recordings.copies import efforts_in, fingerprint
 from ur5lib.recordings.counting import at_the_joints, counted_as
 from ur5lib.recordings.entries import Files
 from ur5lib.recordings.formats import read_recording
@@ -85,7 +85,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     frames, findings = known_frames(raw, counted_as(recording, arm), declared)
     raw, frames = with_slow_sensor(raw, frames, findings)
     findings += [*_no_velocities(frames), *raw.findings, *wrapped]
-    contents = fingerprint(frames)
+    contents, efforts = fingerprint(frames), efforts_in(frames)
     remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
     del whole
@@ -114,6 +114,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
         files=files,
         findings=findings,
         fingerprint=contents,
+        efforts=efforts,
         account=recording.account,
     )
     return Intake(robot, {device: record.table for device, (record, _) in placed.items()}, quality)

@@ -106,6 +106,7 @@ class Found(StrEnum):
     PAYLOAD = "payload", "payload"
     POSSIBLE_DELAY = "possible_delay", "possible delay"
     POSTURES = "postures", "postures"
+    REPEATED_COMMAND = "repeated_command", "repeated command"  # efforts as of another recording
     REPEATED_FRAMES = "repeated_frames", "repeated frames"
     REPEATED_STAMPS = "repeated_stamps", "repeated stamps"
     SAME_FILE = "same_file", "same file"  # a device's file is a copy of another recording's

@@ -102,8 +102,8 @@ class Quality:
     rows: as read; frames: after the repair; jitter_s: of the time stamps, "median" and "99 %";
     start_epoch_s: zero of the robot's clock, since 1970; starts: of the other devices; files:
     SHA-256 of the devices' files, read: of all files, by their path; fingerprint: hashes of the
-    robot's rows; account: channels that import assigned to the columns; ends: first and last row,
-    as text.
+    robot's rows, efforts: of its efforts; account: channels that import assigned to the columns;
+    ends: first and last row, as text.
     """
 
     rows: int = 0
@@ -119,6 +119,7 @@ class Quality:
     findings: list[Finding] = field(default_factory=list)
     read: dict[str, str] = field(default_factory=dict)
     fingerprint: list[int] = field(default_factory=list)
+    efforts: str = ""
     account: list[AccountRow] = field(default_factory=list)
     ends: str = ""
 
