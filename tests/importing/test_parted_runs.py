@@ -88,6 +88,16 @@ def test_a_state_an_input_and_a_time_are_one_run(
     assert [f.code for f in found if f.severity != "note"] == []
 
 
+def test_a_folder_of_robots_beside_the_files_hides_none(
+    tmp_path: Path, run: dict[str, Array], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`ur5 describe` makes it where the user is."""
+    saved(tmp_path, **{name: stamped(run, name) for name in QUANTITIES})
+    (tmp_path / "robots").mkdir()
+    monkeypatch.chdir(tmp_path)
+    expect_joined([Path()], run)
+
+
 def test_public_states_inputs_and_times_are_runs() -> None:
     folder = shared_folder("lwa4p-autokoopman", "its PROVENANCE.md names the source")
     both = import_files(runs_of([folder / "measurement_1", folder / "measurement_2"]))

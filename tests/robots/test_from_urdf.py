@@ -329,6 +329,16 @@ def test_equal_masses_are_placeholders(tmp_path: Path) -> None:
     assert (robot.links, robot.weight) == ("unknown", None)
 
 
+def test_a_tool_on_the_last_of_equal_links_leaves_them_placeholders(tmp_path: Path) -> None:
+    root = made_up(6)
+    others = [*root.iter("mass")][:-1]
+    for mass in others:
+        mass.set("value", "0.3")  # twice, of a bracket, too
+    robot, remarks = robot_from_urdf(saved(root, tmp_path))
+    assert robot.links == "unknown"
+    assert any("each link but the last weighs 0.6 kg" in remark for remark in remarks)
+
+
 def test_limits_of_effort_and_velocity_that_lack_are_said(tmp_path: Path) -> None:
     root = made_up(2)
     for limit in root.iter("limit"):

@@ -56,7 +56,7 @@ def _text_files(path: Path) -> list[Path]:
     """
     if (path / LEROBOT_INFO).is_file():
         return sorted(path.glob(LEROBOT_DATA)) or [path]
-    inside = [*path.iterdir()] if path.is_dir() else []
+    inside = [file for file in path.iterdir() if file.is_file()] if path.is_dir() else []
     bags = any(format_of(file) == "rosbag" or file.name == "metadata.yaml" for file in inside)
     return ([] if bags else sorted(filter(_is_text, inside))) or [path]
 

@@ -372,8 +372,8 @@ class Robot(Described):
         without = [name for name in self.joints if self.motors[name].gear_ratio is None]
         if without and (self.drives.positions == "motor" or self.effort == "motor_torque"):
             raise ValueError(
-                f"`drives` or `effort` counts motors, but {', '.join(without)} has no "
-                "`gear_ratio`; give it in `motors`, 1 where there is no gear"
+                f"`drives` or `effort` counts motors, without a `gear_ratio` of "
+                f"{', '.join(without)}; give it in `motors`, 1 where there is no gear"
             )
         return self
 

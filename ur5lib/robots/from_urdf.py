@@ -412,8 +412,11 @@ def placeholders(tree: Any, joints: list[Any], bodies: list[dict[str, Array]]) -
             lacking.append(joint.child)
     if lacking:
         return f"no mass or inertia of a body for {', '.join(lacking)}"
-    alike = len(masses) > MIN_JOINTS and len(set(masses)) == 1
-    return f"each link weighs {masses[0]:g} kg, as a placeholder does" if alike else ""
+    # the last one may have a tool
+    bare = masses[:-1] if len(masses) > MIN_JOINTS + 1 else masses  # the last may have a tool
+    alike = len(masses) > MIN_JOINTS and len(set(bare)) == 1
+    all_but = "" if len(set(masses)) == 1 else " but the last"
+    return f"each link{all_but} weighs {masses[0]:g} kg, as a placeholder does" if alike else ""
 
 
 def _of_a_body(inertia: Any) -> bool:
