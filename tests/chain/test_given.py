@@ -323,6 +323,16 @@ def test_what_a_study_or_a_file_lacks_is_told(table: pd.DataFrame) -> None:
         ur5lib.read(table, columns={"actual_qd": "speed"})
 
 
+def test_why_no_force_is_stated_is_what_the_fit_lacks(
+    model: ur5lib.Model, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And not an effort that was recorded."""
+    rows = {"step": ["friction", "contact forces"], "joint": [6.0, None], "remark": ["-", "still"]}
+    assert model._why_no_force() == "no current was recorded"
+    monkeypatch.setattr(ur5lib.Model, "table", lambda *_: pd.DataFrame(rows))
+    assert model._why_no_force() == "still"
+
+
 @pytest.mark.parametrize("mass", [0.0, 3.0])
 def test_a_load_held_throughout_is_warned_of(
     model: ur5lib.Model, tmp_path: Path, mass: float

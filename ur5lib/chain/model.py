@@ -398,13 +398,17 @@ class Model(Estimator, Shown):
         moving = self._run(recordings, accept, *steps)
         for name, own in moving.items():
             if {*read_footer(own["forces"]).schema.names} <= {"time", "segment"}:
-                told = f"{name}: no {self._friction.effort} was recorded, so that no force is told"
+                told = f"{name}: no force is told, for {self._why_no_force()}"
                 warnings.warn(told, RecordingWarning, stacklevel=2)
             load = record_of(Prediction, own["prediction"]).load
             if load is not None and load.taken:
                 told = f"{name}: {held_throughout(load)}; what presses for as long looks alike"
                 warnings.warn(told, RecordingWarning, stacklevel=2)
         return frames({name: forces_of(own["forces"]) for name, own in moving.items()})
+
+    def _why_no_force(self) -> str:
+        refused = self.table("remarks").query("step == 'contact forces' and joint.isna()")
+        return next(iter(refused["remark"]), f"no {self._friction.effort} was recorded")
 
     def _predicted(
         self, recordings: Recordings, accept: Mapping[str, str] | None
