@@ -20,7 +20,10 @@ import pytest
 import ur5lib
 from tests.conftest import PROJECT
 from tests.in_memory import FREE
-from ur5lib.errors import InputError, RefusalError
+from ur5lib.errors import InputError, RefusalError, Remark
+from ur5lib.force.residual_model import Residuals
+from ur5lib.jobs.memory import contents
+from ur5lib.records.codes import CauseCode
 from ur5lib.robots.description import load_robot, robot_path
 from ur5lib.stand.plan import SimulatedRecording
 from ur5lib.stand.simulate import simulate
@@ -323,14 +326,13 @@ def test_what_a_study_or_a_file_lacks_is_told(table: pd.DataFrame) -> None:
         ur5lib.read(table, columns={"actual_qd": "speed"})
 
 
-def test_why_no_force_is_stated_is_what_the_fit_lacks(
-    model: ur5lib.Model, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_why_no_force_is_stated_is_what_the_fit_lacks(model: ur5lib.Model) -> None:
     """And not an effort that was recorded."""
-    rows = {"step": ["friction", "contact forces"], "joint": [6.0, None], "remark": ["-", "still"]}
     assert model._why_no_force() == "no current was recorded"
-    monkeypatch.setattr(ur5lib.Model, "table", lambda *_: pd.DataFrame(rows))
-    assert model._why_no_force() == "still"
+    other = pickle.loads(pickle.dumps(model))
+    refused = Residuals(refused=Remark(CauseCode.STILL_JOINTS, "joint 6 is still"))
+    other._arm |= contents("residuals", refused)
+    assert other._why_no_force() == "joint 6 is still"
 
 
 @pytest.mark.parametrize("mass", [0.0, 3.0])

@@ -35,7 +35,15 @@ from ur5lib.chain.recordings import Recordings, as_recordings, forces_of
 from ur5lib.chain.shown import Shown, bar, counted, frames
 from ur5lib.chain.steps import Chain, Files
 from ur5lib.channels import CURRENT
-from ur5lib.errors import InputError, RecordingWarning, briefly, expect_known, expect_text, some
+from ur5lib.errors import (
+    InputError,
+    RecordingWarning,
+    Remark,
+    briefly,
+    expect_known,
+    expect_text,
+    some,
+)
 from ur5lib.jobs.files import parameter_types
 from ur5lib.jobs.job import step_named
 from ur5lib.jobs.memory import Contents, call, record_of, text_of
@@ -407,8 +415,9 @@ class Model(Estimator, Shown):
         return frames({name: forces_of(own["forces"]) for name, own in moving.items()})
 
     def _why_no_force(self) -> str:
-        refused = self.table("remarks").query("step == 'contact forces' and joint.isna()")
-        return next(iter(refused["remark"]), f"no {self._friction.effort} was recorded")
+        kind = parameter_types(step_named("estimate_forces"))["residuals"]
+        refused: Remark | None = record_of(kind, self._arm["residuals"]).refused
+        return refused.text if refused else f"no {self._friction.effort} was recorded"
 
     def _predicted(
         self, recordings: Recordings, accept: Mapping[str, str] | None

@@ -193,7 +193,7 @@ def _commanded_again(efforts: pd.DataFrame, copied: Sequence[str]) -> dict[Any, 
     recordings whose motion is another's, too.
     """
     known = efforts[efforts["detail"].fillna("").ne("") & ~efforts["recording"].isin(copied)]
-    found = {}
+    found = dict[Any, dict[str, Any]]()
     for _, alike in known.groupby("detail", sort=False):
         if len(alike) > 1:
             detail = (
