@@ -43,8 +43,12 @@ def test_without_one_a_span_at_rest_is_asked_for_unless_it_is_known(span: Any, a
     assert not asked or "± 10 N of its forces" in steps["untouched: [0, 1]"]
 
 
-def test_now_is_named_as_in_the_table() -> None:
-    assert found.NOW == found.NOW
+def test_no_load_is_asked_for_that_narrows_nothing() -> None:
+    rows = [("now", 10.0), ("20 s with 2 kg", 5.0), ("20 s", 5.02), ("20 s, slowly", 6.0)]
+    known = {"robot": "ur5", "current": 0.1, "mass": 0.1, "worthwhile": "yes"}
+    made = study(next_recordings=[known | {"after": after, "force": f} for after, f in rows])
+    ((_, _, best),) = found.outlooks(made)
+    assert best["after"] == "20 s"
 
 
 def test_without_its_table_nothing_is_asked_for() -> None:

@@ -10,6 +10,7 @@ from ur5lib.report.stated import Step, designing
 
 TABLES = ("next_recordings",)
 NOW = "now"  # the bands without another recording
+AS_GOOD = 1.01  # times the least band; nobody mounts a load for less
 
 Outlook = tuple[str, pd.Series, pd.Series]
 """An arm, its present bands, and its bands after the recording that narrows forces most."""
@@ -41,7 +42,14 @@ def outlooks(results: Results) -> Iterator[Outlook]:
     """Yield the outlook of each arm."""
     for robot, rows in results.rows("next_recordings").groupby("robot", sort=False):
         now = rows[rows["after"] == NOW].iloc[0]
-        yield str(robot), now, rows.sort_values("force", kind="stable").iloc[0]
+        yield str(robot), now, _best(rows)
+
+
+def _best(rows: pd.DataFrame) -> pd.Series:
+    """Return the recording that narrows forces most; without a load, if that does as well."""
+    alike = rows[rows["force"] <= AS_GOOD * rows["force"].min()]
+    unloaded = alike[~alike["after"].str.contains(" with ")]
+    return (unloaded if len(unloaded) else alike).sort_values("force", kind="stable").iloc[0]
 
 
 def _rests(results: Results, robot: str) -> bool:
