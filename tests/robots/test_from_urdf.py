@@ -320,6 +320,11 @@ def test_links_fixed_to_each_other_may_be_many(tmp_path: Path) -> None:
     assert len(robot_from_urdf(saved(root, tmp_path), tip="rod_2")[0].joints) == 2
 
 
+def test_a_folder_of_recordings_is_led_to_import(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="is a folder; name a URDF, or import recordings"):
+        robot_from_urdf(tmp_path)
+
+
 def test_equal_masses_are_placeholders(tmp_path: Path) -> None:
     root = made_up(3)
     assert robot_from_urdf(saved(root, tmp_path))[0].links == "known"

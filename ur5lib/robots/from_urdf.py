@@ -96,6 +96,10 @@ def robot_from_urdf(
 def _read(path: Path) -> Any:
     """Return links and joints of a URDF. Raises InputError where it is none."""
     expect_file(path)
+    if path.is_dir():
+        raise InputError(
+            f"{path} is a folder; name a URDF, or import recordings: ur5 import {path}"
+        )
     try:
         root = ElementTree.fromstring(content := path.read_bytes())
     except (ElementTree.ParseError, OSError) as error:
