@@ -13,7 +13,13 @@ from tests.made_tables import record, table
 from tests.synthetic import poor_log
 from ur5lib.channels import columns
 from ur5lib.checks.files import name_copies
-from ur5lib.recordings.copies import MAX_ROWS_KEPT, MIN_ROWS_COMPARED, fingerprint
+from ur5lib.recordings.copies import (
+    MAX_ROWS_KEPT,
+    MIN_ROWS_COMPARED,
+    efforts_in,
+    fingerprint,
+)
+from ur5lib.recordings.less_gravity import TORQUE_LESS_GRAVITY
 from ur5lib.records.codes import Found
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.judgement import Judgement
@@ -93,6 +99,14 @@ def test_a_command_that_is_sent_again_is_no_measurement(log: pd.DataFrame, check
     assert (status, printed.count(again)) == (0, 1)
     assert again not in check(sent)[1]
     assert again not in check(repeated(sent))[1]
+
+
+def test_a_command_is_known_as_it_was_read(log: pd.DataFrame) -> None:
+    """Gravity, which is added to torques without it, differs with the motion."""
+    torques = dict(zip(columns("actual_current"), columns(TORQUE_LESS_GRAVITY), strict=True))
+    less = log.rename(columns=torques)
+    assert efforts_in(less) == efforts_in(less.assign(actual_q_1=0.0)) != ""
+    assert efforts_in(less[columns("actual_q")]) == ""
 
 
 def test_a_copy_is_said_of_a_recording_that_is_named(log: pd.DataFrame, check: Callable) -> None:

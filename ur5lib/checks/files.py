@@ -198,8 +198,8 @@ def _commanded_again(efforts: pd.DataFrame, copied: Sequence[str]) -> dict[Any, 
         if len(alike) > 1:
             detail = (
                 f"{' and '.join(alike['recording'])} have the same efforts, number by number, and "
-                "move otherwise: a command that was sent again, or a file copied by mistake; they "
-                "count as one path"
+                "move otherwise: a command that was sent again, or a file copied by mistake; "
+                "record what was measured"
             )
             about = {"severity": "warning", "count": len(alike) - 1, "detail": detail}
             found |= {at: {**row, **about} for at, row in alike.iterrows()}

@@ -12,12 +12,14 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from ur5lib.channels import Effort, columns, joint_count
+from ur5lib.channels import MEASURED_EFFORTS, MOST_JOINTS, Effort, columns, joint_count
+from ur5lib.recordings.less_gravity import TORQUE_LESS_GRAVITY
 from ur5lib.timeseries.arrays import Array, Labels
 
 # In rad, and in A or Nm: coarser than formats write, finer than noise, with borders between
 # decimals.
 RESOLUTION, RESOLUTION_OF_EFFORTS = np.pi / 3000, np.pi / 300
+AS_RECORDED = [*MEASURED_EFFORTS, TORQUE_LESS_GRAVITY]
 MAX_ROWS_KEPT = 256  # rows that are kept
 MIN_ROWS_COMPARED = 8  # rows from which on two recordings are compared
 MIN_COMMON_SHARE = 0.5  # share of common rows; copies have nearly all, other runs almost none
@@ -47,10 +49,11 @@ def fingerprint(frames: pd.DataFrame) -> list[int]:
 
 def efforts_in(frames: pd.DataFrame) -> str:
     """Return a hash of the efforts of all rows, which a command that is sent again has in common;
-    empty if they were not recorded, or never change.
+    empty if they were not recorded, or never change. frames: as read, without gravity added.
     """
-    names = columns(Effort.measured_in(frames).channel, joint_count(frames))
-    if not {*names} <= {*frames} or not frames[names].nunique().max() > 1:
+    named = {name for channel in AS_RECORDED for name in columns(channel, MOST_JOINTS)}
+    names = [name for name in frames if name in named]
+    if not names or frames[names].nunique().max() < 2:
         return ""
     return hashlib.sha256(frames[names].to_numpy(float).tobytes()).hexdigest()
 

@@ -85,7 +85,7 @@ def read_and_repair(recording: Files, arm: Robot, max_gap: float) -> Intake:
     frames, findings = known_frames(raw, counted_as(recording, arm), declared)
     raw, frames = with_slow_sensor(raw, frames, findings)
     findings += [*_no_velocities(frames), *raw.findings, *wrapped]
-    contents, efforts = fingerprint(frames), efforts_in(frames)
+    contents, efforts = fingerprint(frames), efforts_in(raw.robot.table)
     remarks: list[Finding] = []
     placed = place_sensors(raw, remarks)
     del whole
