@@ -2,7 +2,7 @@
 "use strict";
 
 const MARGIN = 8, STRIP = 56; // pixels, around the arm and below it, for the scale of forces and the axes
-const LINK = "#c3c8ce", EDGE = "#6a7078", INK = "#404040", GROUND = "#e6e6e6";
+const LINK = "#c3c8ce", TOUCHED = "#f0e442", EDGE = "#6a7078", INK = "#404040", GROUND = "#e6e6e6";
 const ARROWS = { force: { colour: ESTIMATE, dashes: [], width: 4 }, sensed: { colour: "#000000", dashes: [3, 2], width: 2 } };
 const AXIS = 19, AXES = ["#e0482e", "#7aa800", "#1b3a93"]; // pixels, and colours of x, y, z, which differ in grey, too
 const BAND95 = 1.96; // standard deviations, of 95 % of a normal distribution
@@ -40,12 +40,12 @@ class Arm {
 
   // When there is contact, by the sensor and by the estimate, and what the marks mean.
   contacts() {
-    const { contacts, alarms, free, estimate } = this.scene, what = free ? "False alarm" : "Contact";
+    const { contacts, alarms, free, estimate, link } = this.scene, what = free ? "False alarm" : "Contact";
     const missed = contacts?.filter(([from, to]) => alarms && !alarms.some(([start, end]) => start <= to && from <= end)) ?? [];
     const kinds = [["contact", "Contact by the force sensor", contacts], ["missed", `missed by ${estimate}`, missed[0] && missed],
-      ["gate", `${what} by ${estimate} (gate)`, alarms]].filter(([,, spans]) => spans);
+      ["gate", `${what} by ${estimate} (gate)`, alarms], ["link", "Link that is probably touched", link?.some((one) => one > 0) && [true]]].filter(([,, spans]) => spans);
     const key = kinds.map(([kind, name, spans]) => make("span", {}, make("i", { className: kind }), ` ${name}${spans[0] ? "" : ": none"}`));
-    this.lanes = kinds.filter(([kind]) => kind !== "missed").map((kind) => lane(...kind, missed));
+    this.lanes = kinds.filter(([kind]) => !["missed", "link"].includes(kind)).map((kind) => lane(...kind, missed));
     return [...this.lanes.map((one) => one.element), make("p", { className: "key" }, ...key)];
   }
 
@@ -143,7 +143,7 @@ class Arm {
     const pieces = axes.flatMap((axis, k) => { // the drawing of each link and joint, and how near it is
       const radius = this.scene.radius(k), mark = this.scene.mark(origins[k], axis, k), ends = [origins[k], origins[k + 1]];
       const share = torque ? Math.abs(torque[k]) / this.largestTorque : NaN;
-      return [[nearness(ends[0]) + nearness(ends[1]), () => this.drawCapsule(pen, ends, radius, link === k + 1 ? ESTIMATE : LINK, EDGE)],
+      return [[nearness(ends[0]) + nearness(ends[1]), () => this.drawCapsule(pen, ends, radius, link === k + 1 ? TOUCHED : LINK, EDGE)],
         [2 * nearness(origins[k]) + radius, () => this.drawCapsule(pen, mark, 0.8 * radius, shade(share), INK)]];
     });
     pieces.sort(([a], [b]) => a - b).forEach(([, piece]) => piece());
