@@ -30,7 +30,8 @@ PANEL_LABELS = {
     "temperature": "temperature [°C]",
 }
 FIGURE_HEIGHT = 7.4  # inches; it fits six rows of panels
-MOST_TICKS = 4  # the values of a panel have this many
+MOST_TICKS = 3  # steps between the values of a panel
+ROUND_STEPS = (1, 2, 5, 10)  # which need few digits
 DRIFT_STYLE: Any = SHADE_STYLE | {"alpha": 0.06}  # a drift, which lasts all the time
 
 
@@ -80,7 +81,7 @@ def _panel(axis: Axes, rows: pd.DataFrame) -> None:
     axis.errorbar(
         days, rows["value"], half, fmt="o", markersize=2, linewidth=0.7, color=colour, zorder=3
     )
-    axis.yaxis.set_major_locator(MaxNLocator(MOST_TICKS))
+    axis.yaxis.set_major_locator(MaxNLocator(MOST_TICKS, steps=ROUND_STEPS))
 
 
 def _place(day: str) -> float:
@@ -102,7 +103,7 @@ def _mark(axis: Axes, change: Any) -> None:
 def _label(top: Iterable[Axes], bottom: Iterable[Axes]) -> None:
     """Name the joints above, and the dates below."""
     for joint, axis in enumerate(top, start=1):
-        axis.set_title(f"joint {joint}", loc="left", pad=2)
+        axis.set_title(f"joint {joint}", loc="left", fontsize="medium")
     for axis in bottom:
         locator = AutoDateLocator(minticks=2, maxticks=3)
         axis.xaxis.set_major_locator(locator)
