@@ -12,6 +12,7 @@ from ur5lib.records.friction import Friction
 from ur5lib.records.step import step
 from ur5lib.report.figures.friction_figures import (
     MovingSamples,
+    correlation_figure,
     current_figures,
     friction_figure,
     knowledge_bars,
@@ -29,7 +30,8 @@ class Inputs(AlignedRecording):
 
 @step(
     "arm",
-    "friction.svg current_torque.svg current_torque_friction.svg knowledge.svg residuals.svg",
+    "friction.svg correlation.svg current_torque.svg current_torque_friction.svg knowledge.svg "
+    "residuals.svg",
     recordings="fit",
 )
 def draw_friction(
@@ -51,6 +53,7 @@ def draw_friction(
     before = constant if known is None else known.value
     return {
         "knowledge": knowledge_bars(friction.parameters),
+        "correlation": correlation_figure(fit.joints),
         "friction": friction_figure(samples, fit.joints, friction.load),
         **current_figures(samples, constant, before, arm.measured),
     }

@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 
 from ur5lib.channels import CURRENT, TORQUE, Effort
 from ur5lib.identification.currents import predict, spring_current, torque_constants
+from ur5lib.identification.estimation import physical_values
 from ur5lib.identification.samples import CurrentSamples, MotionState, Smooth, motion_states
 from ur5lib.identification.steady_friction import friction_curve
 from ur5lib.records.currents import Currents
@@ -157,6 +158,34 @@ def _draw_shares(axis: Axes, parameters: pd.DataFrame) -> None:
     axis.set_xlim(0, 100)
     axis.invert_yaxis()
     axis.grid(visible=False)
+
+
+def correlation_figure(joints: Sequence[JointFit]) -> Drawing:
+    """Draw how the errors of each joint's parameters correlate over the bootstrap, as matrices."""
+    matrices = {joint: correlations(model) for joint, model in enumerate(joints, start=1)}
+    known = {joint: own for joint, own in matrices.items() if own.notna().to_numpy().all()}
+    if not known:
+        return nothing_to_draw()
+    rows = -(-len(known) // 3)
+    with house_style(2.4 * rows, rows, 3) as (figure, panels):
+        for axis in panels.flat[len(known) :]:
+            axis.set_visible(False)
+        for axis, (joint, own) in zip(panels.flat, known.items(), strict=False):
+            shades = axis.imshow(own, cmap="PuOr", vmin=-1, vmax=1)
+            symbols = [PARAMETER_SYMBOLS.get(name, name) for name in own]
+            axis.set_xticks(range(len(own)), symbols, rotation=90)
+            axis.set_yticks(range(len(own)), symbols)
+            axis.set_title(f"joint {joint}", fontsize="medium")
+            axis.grid(visible=False)
+        figure.colorbar(shades, ax=panels, shrink=0.5, label="correlation")
+    parts = (own.rename_axis("parameter").reset_index().assign(joint=j) for j, own in known.items())
+    return Drawing(figure, pd.concat(parts, ignore_index=True))
+
+
+def correlations(model: JointFit) -> pd.DataFrame:
+    """Return the correlations of a joint's parameters, in SI units, over the bootstrap."""
+    values = physical_values(model.estimate.replicates)
+    return pd.DataFrame(values, columns=model.names()).corr()
 
 
 def current_figures(
