@@ -9,6 +9,8 @@ from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Finding
 from ur5lib.timeseries.arrays import Array
 
+PATH_TIMES = 32  # of a recording, to draw its path
+
 
 @dataclass(frozen=True, kw_only=True)
 class QualityRow:
@@ -36,6 +38,16 @@ class RecordingSummary:
     jitter_s: float
     devices: str
     moving_joints: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointPath:
+    """A row of paths.csv: the angles of a joint [rad] at PATH_TIMES evenly spaced frames, between
+    spaces.
+    """
+
+    joint: int
+    angles: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,6 +153,7 @@ class Judgement:
 
     findings: list[Finding] = field(default_factory=list)
     recordings: list[RecordingSummary] = field(default_factory=list)
+    paths: list[JointPath] = field(default_factory=list)
     files: list[FileRead] = field(default_factory=list)
     account: list[AccountRow] = field(default_factory=list)
     clocks: list[ClockRow] = field(default_factory=list)

@@ -16,6 +16,8 @@ from ur5lib.records.currents import Currents
 from ur5lib.records.dynamics import Torques
 from ur5lib.records.friction import Friction
 from ur5lib.records.judgement import (
+    PATH_TIMES,
+    JointPath,
     Judgement,
     LoadRow,
     TorqueError,
@@ -70,6 +72,7 @@ def judge_recording(
     return Judgement(
         findings=files.findings(quality, contradictions, clocks),
         recordings=[files.summary(quality, signals)],
+        paths=[*joint_paths(motion.q)],
         files=files.files_read(quality),
         account=[*_account(quality, changes)],
         clocks=files.clock_rows(clocks),
@@ -88,6 +91,14 @@ def _account(quality: Quality, changes: Mapping[str, Array]) -> Iterator[Account
     yield from quality.account
     if "after" not in [row.subject for row in quality.account]:
         yield from (stated_succession(name, change) for name, change in changes.items())
+
+
+def joint_paths(q: Array) -> Iterator[JointPath]:
+    """Yield the path of each joint; q: (N, n) [rad]."""
+    frames = np.flatnonzero(np.isfinite(q).all(axis=1))
+    some = frames[np.linspace(0, len(frames) - 1, PATH_TIMES).astype(int)] if len(frames) else []
+    for joint, angles in enumerate(q[some].T, start=1):
+        yield JointPath(joint=joint, angles=" ".join(f"{angle:.2f}" for angle in angles))
 
 
 def _unusual(share: float) -> Finding:

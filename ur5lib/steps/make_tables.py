@@ -35,6 +35,7 @@ from ur5lib.records.judgement import (
     ClockRow,
     CurrentError,
     FileRead,
+    JointPath,
     Judgement,
     LoadRow,
     QualityRow,
@@ -50,6 +51,7 @@ from ur5lib.tables import read_cells, table_by_owner
 
 OF_RECORDINGS = {
     "recordings": RecordingSummary,
+    "paths": JointPath,
     "files": FileRead,
     "account": AccountRow,
     "quality": QualityRow,

@@ -52,6 +52,7 @@ ARMS = STUDY.arms()
 ROBOTS = sorted(ARMS)
 TABLES = [  # written by make_tables for every study; others are joined from parts that steps write
     "recordings",
+    "paths",
     "files",
     "account",
     "quality",
