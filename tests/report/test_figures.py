@@ -36,6 +36,7 @@ from ur5lib.report.figures.arm_figures import (
 from ur5lib.report.figures.friction_figures import (
     MovingSamples,
     band_over,
+    correlation_figure,
     current_figures,
     friction_figure,
 )
@@ -207,6 +208,21 @@ def test_a_band_over_velocity_is_the_mean_of_its_neighbours_in_the_same_directio
     half = np.where(qd < 0, 2.0, 1 + np.abs(qd))
     found = band_over(qd, half, np.array([-0.5, 0.3, 0.7, np.nan]))
     np.testing.assert_allclose(found, [2.0, 1.3, 1.7, np.nan], rtol=0.01)
+
+
+def test_parameters_that_make_up_for_each_other_correlate(
+    noisy_friction: tuple[Friction, MovingSamples, float],
+) -> None:
+    model = noisy_friction[0].fit.joints[0]
+    draws = 1 + np.random.default_rng(0).normal(scale=0.01, size=(200, len(model.names())))
+    draws[:, 0], draws[:, 1], draws[:, 3] = 0.1, 0.0, -draws[:, 2]
+    unmoved = replace(model, estimate=replace(model.estimate, replicates=0 * draws + 1))
+    draws[:, :2] += 1e-4 * draws[::-1, 2:4]
+    own = replace(model, estimate=replace(model.estimate, replicates=draws))
+    drawn = correlation_figure([own, unmoved]).data.set_index("parameter")
+    assert {*drawn["joint"]} == {1}
+    assert drawn.loc["coulomb", "viscous"] == pytest.approx(-1, abs=0.02)
+    assert drawn.loc["coulomb", "coulomb"] == pytest.approx(1)
 
 
 def test_a_spring_is_no_friction(noisy_friction: tuple[Friction, MovingSamples, float]) -> None:
