@@ -41,7 +41,7 @@ from ur5lib.report.figures.house_style import save
 from ur5lib.report.figures.traces import TORQUE_PANELS, Traces, draw_traces
 from ur5lib.report.page.typeset import html_page, pdf_document
 from ur5lib.report.results import Results
-from ur5lib.steps.judge_recording import load_row, torque_errors
+from ur5lib.steps.judge_recording import joint_paths, load_row, torque_errors
 from ur5lib.steps.make_tables import remarks
 from ur5lib.steps.write_report import archived
 from ur5lib.tables import write_text
@@ -362,3 +362,13 @@ def test_the_archive_has_every_table_and_is_the_same_again(tmp_path: Path) -> No
         "tables/b.csv": b"b",
     }
     assert archived(files) == archived(files)
+
+
+def test_a_path_has_each_joints_angles_from_first_to_last() -> None:
+    q = np.column_stack([np.linspace(0, 1, 100), np.full(100, -2.0)])
+    q[[0, 50]] = np.nan
+    first, second = joint_paths(q)
+    assert first.angles.startswith("0.01 0.04 ")
+    assert first.angles.endswith(" 1.00")
+    assert {*second.angles.split()} == {"-2.00"}
+    assert [*joint_paths(q[:1])] == []

@@ -42,9 +42,7 @@ class RecordingSummary:
 
 @dataclass(frozen=True, kw_only=True)
 class JointPath:
-    """A row of paths.csv: the angles of a joint [rad] at PATH_TIMES evenly spaced frames, between
-    spaces.
-    """
+    """A row of paths.csv: the angles of a joint [rad] at 32 evenly spaced frames, by spaces."""
 
     joint: int
     angles: str

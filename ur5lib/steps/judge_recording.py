@@ -96,7 +96,9 @@ def _account(quality: Quality, changes: Mapping[str, Array]) -> Iterator[Account
 def joint_paths(q: Array) -> Iterator[JointPath]:
     """Yield the path of each joint; q: (N, n) [rad]."""
     frames = np.flatnonzero(np.isfinite(q).all(axis=1))
-    some = frames[np.linspace(0, len(frames) - 1, PATH_TIMES).astype(int)] if len(frames) else []
+    if not len(frames):
+        return
+    some = frames[np.linspace(0, len(frames) - 1, PATH_TIMES).astype(int)]
     for joint, angles in enumerate(q[some].T, start=1):
         yield JointPath(joint=joint, angles=" ".join(f"{angle:.2f}" for angle in angles))
 
