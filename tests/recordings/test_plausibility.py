@@ -261,6 +261,11 @@ def test_rows_that_lost_a_cell_are_counted_once() -> None:
     assert lost(columns)[1] == 20
 
 
+def test_a_joint_that_rests_at_zero_is_logged_one_digit_beside_it() -> None:
+    angle = np.where(np.arange(935) % 200 == 7, 1e-4, 0.0)
+    assert not lost({"actual_q_2": angle})[0].any()
+
+
 def test_a_motion_through_zero_is_received() -> None:
     """And one that rests there for a while."""
     q = 0.01 * np.concatenate([np.arange(-100, 0), np.zeros(100), np.arange(100)])

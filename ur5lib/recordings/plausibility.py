@@ -30,6 +30,7 @@ NOISY_COLUMNS = "actual_current_"
 TORQUES = [name for name, spec in CHANNELS.items() if spec.of_joints and spec.unit == "Nm"]
 LIKELY_UNITS = {"rad": "deg", "rad/s": "deg/s", "A": "mA"}  # by the unit that is exceeded
 NAMES_OF_UNITS = {"deg": "degrees", "deg/s": "degrees"}
+ROUNDED_ANGLE = 1e-3  # rad; a lost value so near to zero would change nothing
 ROUNDED_SPEED = 0.1  # rad/s; drivers round smaller velocities to zero
 MIN_DEAD_ROWS = 5  # of zeros of some joints' currents, which were not received
 MIN_TIMES_ZERO = 3  # at which a torque is zero that was commanded so; a file loses a block or two
@@ -210,8 +211,12 @@ def drop_zeroed(table: pd.DataFrame, findings: list[Finding]) -> pd.DataFrame:
 
 def _least_leaps(table: pd.DataFrame) -> list[float]:
     """Return by column the leap from which on a fall to zero was not received."""
-    # velocities of slow joints are rounded to zero
-    least = {name: ROUNDED_SPEED if "_qd_" in name else 0.0 for name in table}
+    # a joint that rests at zero is logged one digit beside it, a slow velocity is rounded to zero
+    rounded = {"_q_": ROUNDED_ANGLE, "_qd_": ROUNDED_SPEED}
+    least = {
+        name: sum(leap for kind, leap in rounded.items() if kind in name)
+        for name in map(str, table)
+    }
     for channel in TORQUES:
         names = [name for name in columns(channel, MOST_JOINTS) if name in table]
         if names and _is_often_zero(table[names].to_numpy(float)):
