@@ -50,7 +50,6 @@ class Summary(Strict):
     simulated: list[str] = Field(description="recordings of the virtual test stand")
     commit: str = Field(description="of the code")
     analysed: str = Field(description="date on which the last step ended, empty if unknown")
-    last_build: str = Field("", description="date of the build before, empty without one")
     verdicts: list[StatedVerdict] = Field(description="the rows of tables/verdicts.csv")
     next: list[Step] = Field(description="what to do next, the most urgent first")
     findings: list[str] = Field(description="faults and facts, the gravest first")
@@ -66,7 +65,6 @@ def page_data(results: Results, last: Summary | None = None) -> dict[str, Any]:
         "next": [*map(asdict, next_steps(results))],
         "findings": findings(results),
         "left_out": left_out(results),
-        "last_build": last.analysed if last else "",
     }
     return {"verdicts": verdict_rows(results, last), "found": found}
 
