@@ -320,7 +320,7 @@ def check_brief(report: Path) -> None:
     assert cards
     for card in cards:
         [number], [sentence] = (card.xpath(f"p[@class='{name}']") for name in ("number", "said"))
-        range_or_number = re.sub(r" to \S+$", "", plain(number.find("b").text_content()))
+        range_or_number = re.sub(r" to (> )?\S+$", "", plain(number.find("b").text_content()))
         assert len(NUMBER.findall(range_or_number)) == 1
         assert len(words(sentence.text_content())) <= MOST_WORDS["card"], sentence.text_content()
         assert len(card.xpath("svg")) <= 1

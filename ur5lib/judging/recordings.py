@@ -62,7 +62,12 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
                 sense="less",
                 count=int(counts.get(name, 0)),
             )
-    yield Verdict(
+    yield _serving(study)
+
+
+def _serving(study: StudyTables) -> Verdict:
+    """Return how many recordings may serve any purpose."""
+    return Verdict(
         question=QUESTION,
         rank=len(SEVERITIES) + 2,
         quantity="recordings that serve a purpose",
