@@ -208,7 +208,7 @@ def check_captions(report: Path) -> None:
         assert not dashes or is_image or DASHES.search(svg), sources
 
 
-def check_results(folder: Path) -> None:
+def check_results(folder: Path, least: int = 30) -> None:
     """results.json fits its schema; it and the report's first screen say what verdicts.csv says."""
     told, schema = (
         json.loads((folder / name).read_text()) for name in ("results.json", "results.schema.json")
@@ -218,7 +218,7 @@ def check_results(folder: Path) -> None:
     page = fromstring((folder / "report.html").read_text())
     check_found(told, page)
     verdicts = read_csv(folder / "tables" / "verdicts.csv")
-    assert checked(page, verdicts) > 0
+    assert checked(page, verdicts) > least
     rows = verdicts.astype(object).where(verdicts.notna(), None)
     assert len(told["verdicts"]) == len(rows)
     for row, cells in zip(told["verdicts"], rows.to_dict("records"), strict=True):

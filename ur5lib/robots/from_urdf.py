@@ -416,7 +416,6 @@ def placeholders(tree: Any, joints: list[Any], bodies: list[dict[str, Array]]) -
             lacking.append(joint.child)
     if lacking:
         return f"no mass or inertia of a body for {', '.join(lacking)}"
-    # the last one may have a tool
     bare = masses[:-1] if len(masses) > MIN_JOINTS + 1 else masses  # the last may have a tool
     alike = len(masses) > MIN_JOINTS and len(set(bare)) == 1
     all_but = "" if len(set(masses)) == 1 else " but the last"
