@@ -697,7 +697,7 @@ def test_a_drift_is_told_where_it_is_determined_within_a_newton_a_minute(told: J
 
 
 def test_findings_are_counted_once_for_a_recording_and_a_device(told: Judged) -> None:
-    first, *counted = of_question(told, "recordings")
+    first, *counted, serving = of_question(told, "recordings")
     kinds = {
         (row["severity"], row["recording"], row["device"], row["finding"])
         for row in TABLES["quality"]
@@ -706,7 +706,9 @@ def test_findings_are_counted_once_for_a_recording_and_a_device(told: Judged) ->
     for severity, *_ in kinds:
         numbers[f"{severity}s"] += 1
     assert [(one.quantity, one.count) for one in counted] == [*numbers.items()]
-    assert [one.rank for one in counted] == [2, 3, 4, 5]
+    assert [one.rank for one in (*counted, serving)] == [2, 3, 4, 5, 6]
+    used = {one.recording for one in told.uses if one.use == "yes"}
+    assert (serving.count, serving.of) == (len(used), len(ROLES))
     frames = {row["recording"]: row["frames"] for row in TABLES["recordings"]}
     lost: dict[tuple[str, str], int] = defaultdict(int)
     for row in rows("quality", severity="error", code=Found.LOST_FRAMES):
@@ -724,6 +726,7 @@ def test_a_severity_without_findings_has_no_row() -> None:
     _, *counted = judge_recordings(about)
     assert [(row.quantity, row.count, row.rank) for row in counted] == [
         *(("stop signs", 0, 2), ("warnings", 1, 4)),
+        ("recordings that serve a purpose", 0, 6),
     ]
 
 

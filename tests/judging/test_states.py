@@ -204,7 +204,7 @@ def test_the_most_serious_finding_decides_and_the_largest_share_is_named() -> No
         study(quality=[*rows, finding("warning", Found.JITTER), finding("note")]), "recordings"
     )
     assert (first.recording, first.count, first.of) == ("fitted", 250, 1000)
-    assert (stops.count, warnings.count, notes.count, serving.of) == (0, 3, 1, 2)
+    assert (stops.count, warnings.count, notes.count, serving.of) == (0, 3, 1, 3)
 
 
 def test_a_finding_in_several_places_of_a_recording_is_one() -> None:
