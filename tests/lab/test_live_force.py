@@ -17,6 +17,7 @@ from ur5lib.tables import read_table, read_units
 from ur5lib.topics.live.live import FREE, UNKNOWN, Answer, Live
 
 HERE = "127.0.0.1"
+PERIOD = 0.002  # s
 LATEST = 0.01  # s, after its arrival, that a sample may be answered
 MEMORY_GROWTH = 20_000  # kB
 STILL = SimulatedRecording(trajectory=Standstill(kind="standstill"))
@@ -48,10 +49,11 @@ def stated(path: Path, seconds: float | None) -> tuple[pd.DataFrame, list[str]]:
 
 
 def check(table: pd.DataFrame, seconds: float) -> None:
-    """No sample is missing or late, and each is answered."""
+    """No sample is missing, answers keep pace, and each is known in time."""
     assert len(table) > 480 * seconds
-    np.testing.assert_allclose(np.diff(table["time"]), 0.002, rtol=0, atol=1e-9)
-    assert table["late"].max() < LATEST
+    np.testing.assert_allclose(np.diff(table["time"]), PERIOD, rtol=0, atol=1e-9)
+    assert table["late"].median() < PERIOD
+    assert table["late"].quantile(0.95) < LATEST  # the machine itself may stop for longer
     assert np.isfinite(table.to_numpy(float)).all()
     elapsed = table["time"] - table["time"][0]  # unknown while friction may settle, for 1 s
     assert not table["known"][elapsed < 0.99].any()
@@ -78,7 +80,9 @@ def test_ten_minutes_take_no_more_memory_and_no_sample_is_late(tmp_path: Path) -
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     follow(tmp_path / "live.parquet", 600.0)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < MEMORY_GROWTH
-    check(read_table(tmp_path / "live.parquet"), 600.0)
+    table = read_table(tmp_path / "live.parquet")
+    check(table, 600.0)
+    assert table["late"].max() < LATEST
 
 
 def test_no_controller_is_told(tmp_path: Path) -> None:
