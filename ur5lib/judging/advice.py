@@ -12,7 +12,6 @@ from ur5lib.records.verdicts import Advice, Asks
 
 RECORD: Literal["recording"] = "recording"  # kinds of advice
 LATER: Literal["later"] = "later"
-ONLY_FIT = "only fit"  # detail of advice on recordings without which nothing is fitted
 CONTRADICTIONS = [
     CauseCode.UNLIKELY_CONSTANT,
     CauseCode.CURRENT_AGAINST_CONSTANT,
@@ -98,16 +97,8 @@ def faulty_files(study: StudyTables) -> Iterator[Advice]:
     shares = lost_shares(study)
     lost = {name: share for name, share in shares.items() if share >= HIGH_LOST_SHARE}
     names = sorted(lost, key=lambda name: -lost[name])
-    detail = (
-        ONLY_FIT if {*study.with_role("fit")} & {*names} and not kept_for_fit(study, names) else ""
-    )
-    yield from _of_recordings(Asks.LOSSY, names, lost[names[0]] if names else None, detail)
+    yield from _of_recordings(Asks.LOSSY, names, lost[names[0]] if names else None)
     yield from _of_recordings(Asks.DOUBTED, study.doubted())
-
-
-def kept_for_fit(study: StudyTables, without: list[str]) -> list[str]:
-    """Return the recordings of the fit that are left without some."""
-    return [name for name in study.with_role("fit") if name not in without]
 
 
 def missing_recordings(study: StudyTables) -> Iterator[Advice]:

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from ur5lib.judging.advice import ONLY_FIT
 from ur5lib.records.phrases import number
 from ur5lib.records.verdicts import Asks
 from ur5lib.report import topics
@@ -174,11 +173,8 @@ def _contradiction(asked: Asked) -> Step:
 
 
 def _lossy(asked: Asked) -> Step:
-    leave = (
-        "" if asked.detail == ONLY_FIT else f", or leave {'them' if asked.several else 'it'} out"
-    )
     sentence = (
-        f"Record {asked.recordings} anew with a repaired logger{leave}: up to "
+        f"Record {asked.recordings} anew with a repaired logger: up to "
         f"{100 * (asked.value or 0.0):.0f} % of the frames are missing."
     )
     return Step(sentence, asked.check(asked.recording))
