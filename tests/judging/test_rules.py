@@ -204,7 +204,7 @@ def test_11_found_merged_and_missed_are_all_on_every_page() -> None:
     assert noticed.found + noticed.merged + noticed.missed == noticed.contacts == 3  # from 5 N on
     assert rows["contacts found"].of == 3
     assert rows["contacts missed, the largest"].count == noticed.missed
-    assert rows["error of the peak of found contacts, mean"].value == pytest.approx(-10.0)
+    assert rows["mean signed error of found peaks"].value == pytest.approx(-10.0)
     assert noticed.peak_bias == pytest.approx(-0.1)
     (line,) = tables_of(results)["noticed"]
     assert (line["found"], line["missed at [s]"], line["merged at [s]"]) == (

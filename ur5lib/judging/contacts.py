@@ -111,11 +111,12 @@ def _of_fate(rows: pd.DataFrame, fate: Fate) -> dict[str, Any]:
 
 
 def _peaks(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    """Yield the mean [%] and the largest [N] error of the peaks of found contacts."""
+    """Yield the mean signed [%] and the largest [N] error of the peaks of found contacts."""
     found = rows[rows["fate"] == Fate.FOUND].dropna(subset="peak_error")
     if len(found):
         mean = _mean(100 * found["peak_error"] / found["peak"])
-        yield mean | {"quantity": "error of the peak of found contacts, mean", "sense": "error"}
+        quantity = "mean signed error of found peaks"
+        yield mean | {"quantity": quantity, "sense": "error"}
         most = found.loc[found["peak_error"].abs().idxmax()]
         own = {"value": float(most["peak_error"]), "unit": "N", "recording": str(most["recording"])}
         about = {"quantity": "error of the peak of a found contact, largest", "sense": "error"}
@@ -149,7 +150,8 @@ def _timing(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
         quantity = "peaks too small by more than a quarter"
         yield low | {"quantity": quantity, "sense": "less"}
         size = {"value": 100 * float(shares.abs().mean()), "unit": "%", "count": len(shares)}
-        yield size | {"quantity": "peaks off by, mean", "sense": "less"}
+        quantity = "mean absolute error of found peaks"
+        yield size | {"quantity": quantity, "sense": "less"}
     short = found.loc[found["peak_error"] < 0].dropna(subset="peak_error")
     if len(short):
         row = short.loc[short["peak_error"].idxmin()]
@@ -221,11 +223,16 @@ def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:
 
 
 def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str, Any]:
-    """Return the numbers of alarms and false alarms, and the widest band of a contact."""
+    """Return the numbers of alarms and false alarms, and the widest band of a contact.
+
+    Where something may touch the arm and no sensor says when, no alarm is known to be false.
+    """
     minutes = _minutes(study)[counts.recording]
-    false = counts.false_alarms_per_min
-    if pd.isna(false):  # without a sensor
-        false = (rows["kind"] == Kind.FALSE).sum() / minutes
+    false: int | None = None
+    if not pd.isna(counts.false_alarms_per_min):
+        false = round(counts.false_alarms_per_min * minutes)
+    elif study.roles()[counts.recording] != "contact":
+        false = int((rows["kind"] == Kind.FALSE).sum())
     own = rows[rows["kind"] != Kind.OFF_FLANGE]  # stated forces are those of the flange
     bands = own.melt(
         ["peak_s", "posture_deg"], ["Fx_std", "Fy_std", "Fz_std"], "column", "std"
@@ -233,7 +240,7 @@ def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str,
     found: dict[str, Any] = {
         "alarms": len(rows),
         "alarms_per_min": len(rows) / minutes,
-        "false_alarms": round(false * minutes),
+        "false_alarms": false,
     }
     found |= {name: getattr(counts, name, None) for name in LIMITS}
     if len(bands):
@@ -343,23 +350,31 @@ def judge_alarms(study: StudyTables) -> Iterator[Verdict]:
     every = [*noticed(study)]
     beside = [row for row in every if row.contacts]
     if any(row.alarms for row in beside):
-        count = sum(row.false_alarms for row in beside)
+        count = _false(beside)
         quantity = "false alarms on recordings with contacts"
         numbers.append({"quantity": quantity, "count": count, "sense": "less"})
     if numbers:
-        numbers += _of_all(study, sum(row.false_alarms for row in every))
+        numbers += _of_all(study, every)
         numbers += _high_threshold(detections(study)["threshold"])
     for rank, number in enumerate(numbers, start=1):
         yield Verdict(question="alarms", rank=rank, **number)
 
 
-def _of_all(study: StudyTables, count: int) -> Iterator[dict[str, Any]]:
-    """Yield the number of false alarms on all searched recordings, and their duration [min]."""
-    searched = _minutes(study).reindex(detections(study)["recording"])
+def _false(rows: list[Noticed]) -> int:
+    return sum(row.false_alarms or 0 for row in rows)
+
+
+def _of_all(study: StudyTables, every: list[Noticed]) -> Iterator[dict[str, Any]]:
+    """Yield the number of false alarms on all searched recordings where a sensor or the role tells
+    false ones, and the duration [min] of these.
+    """
+    untold = {row.recording for row in every if row.false_alarms is None}
+    searched = detections(study)["recording"]
+    searched = _minutes(study).reindex(searched[~searched.isin(untold)])
     if len(searched):
-        yield {"quantity": "false alarms, all recordings", "count": count, "sense": "less"}
+        yield {"quantity": "false alarms, all recordings", "count": _false(every), "sense": "less"}
         minutes = {"value": float(searched.sum()), "unit": "min"}
-        yield minutes | {"quantity": "time searched for contacts, all recordings"}
+        yield minutes | {"quantity": "time in which an alarm can be told false, all recordings"}
 
 
 def _high_threshold(thresholds: "pd.Series[float]") -> Iterator[dict[str, Any]]:
@@ -456,7 +471,7 @@ def _at_postures(study: StudyTables, robot: str, rank: int) -> Iterator[Verdict]
     yield Verdict(
         **known,
         rank=rank + 1,
-        quantity="push found with 95 %, by posture and direction",
+        quantity="trial push found with 95 %, by posture and direction",
         **_range(tried_on, largest),
         interval=f"range over {tried} directions at {count} recorded postures",
     )
@@ -483,7 +498,7 @@ def _at_posture(
     return Verdict(
         **known,
         **_range(tried, largest),
-        quantity=f"push found with 95 %, {row['posture']} posture",
+        quantity=f"trial push found with 95 %, {row['posture']} posture",
         interval=f"range over {len(tried)} directions",
         recording="" if row["posture"] == YOURS else str(row["recording"]),
         motion=row["motion"],

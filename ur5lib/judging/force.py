@@ -152,7 +152,7 @@ def _numbers(
     recordings = {*rows["recording"]}
     mean: Any = {"axis": "mean of x, y, z", "recording": str(share.name)}
     means = rows[["mae", "mean_force", "plain", "floor"]].astype(float).mean()
-    first = about | _errors(means) | beside(means["plain"]) | {"axis": "all axes"}
+    first = about | _errors(means) | beside(means["plain"]) | {"axis": "per axis"}
     floor = _known(means["floor"])
     yield Verdict(**first, state=state, reason=reason, floor=floor, basis="unseen")
     worst = about | _errors(row) | beside(rows["plain"].max(), " at its worst") | _interval(row)

@@ -276,11 +276,11 @@ class Noticed:
     contacts: that reach 5 N, of which found by an alarm of their own, merged (within another one's)
     and missed; missed_s, merged_s: their starts [s]; largest_missed,
     smallest_found: peaks [N]; peak_bias: mean relative error of the found peaks; alarms: all,
-    false_alarms: as in detection.csv, without a sensor those of the kind false; untouched_n,
-    hidden_n, hidden_at_all_n: where no contact is found, and unseen_link_2_n, unseen_link_3_n: at
-    rest before the wrist, as in detection.csv; band: the widest
-    95 % band of an alarm's largest force, half of it [N] along band_axis at band_s in a posture
-    [°].
+    false_alarms: as in detection.csv, without a sensor those of the kind false, empty of a contact
+    recording; untouched_n, hidden_n, hidden_at_all_n: where no contact is found, and
+    unseen_link_2_n, unseen_link_3_n: at rest before the wrist, as in detection.csv; band: the
+    widest 95 % band of an alarm's largest force, half of it [N] along band_axis at band_s in a
+    posture [°].
     """
 
     recording: str
@@ -296,7 +296,7 @@ class Noticed:
     peak_bias: float | None = None
     alarms: int
     alarms_per_min: float
-    false_alarms: int
+    false_alarms: int | None
     untouched_n: float | None = None
     hidden_n: float | None = None
     hidden_at_all_n: float | None = None

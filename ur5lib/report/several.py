@@ -23,10 +23,10 @@ SHOWN: dict[str, tuple[str, int | str]] = {
     "link model": ("links", 1),
     "load": ("load", 1),
     "force": ("force", 1),
-    "peak": ("contacts", "error of the peak of found contacts, mean"),
+    "peak": ("contacts", "mean absolute error of found peaks"),
     "contacts": ("contacts", 1),
     "false alarms": ("alarms", "false alarms, all recordings"),
-    "push": ("pushes", "push found with 95 %, by posture and direction"),
+    "push": ("pushes", "trial push found with 95 %, by posture and direction"),
     "motion": ("motion", 1),
     "drift": ("drift", 1),
 }
