@@ -259,8 +259,20 @@ def test_a_delay_is_told_where_a_shorter_one_explains_less(
     seconds = 0.02 * np.arange(-2, 3)
     usual = np.array([0.0, 0.0, 70.0, 100.0 - before_shorter, 100.0])
     scores = np.array([usual, usual, np.zeros(5)])[:, None]
-    delays = Delays(seconds, scores, shortest=0.03)
+    delays = Delays(seconds, scores, shortest=0.03, moves=np.array([True]))
     assert bool([*delayed_currents(delays, driven=True, name="actual_current")]) == told
+
+
+@pytest.mark.parametrize("moves", [True, False])
+def test_a_joint_at_rest_does_not_tell_when_its_effort_comes(moves: bool) -> None:
+    """Two of a thousand episodes in which one joint moves were left out by the current of
+    another.
+    """
+    seconds = 0.02 * np.arange(-2, 3)
+    early, on_time = np.array([25.0, 15.0, 0.0, -6.0, -8.0]), -500.0 * np.abs(seconds)
+    scores = np.tile([early, 10 * on_time], (3, 1, 1))
+    delays = Delays(seconds, scores, shortest=0.03, moves=np.array([moves, True]))
+    assert delays.late_joint(rubs=True) == ((0, pytest.approx(-0.04)) if moves else None)
 
 
 def late(own: Checked, joints: list[int], seconds: float = 0.1) -> Checked:

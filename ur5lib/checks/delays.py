@@ -46,12 +46,13 @@ class Delays(NamedTuple):
     seconds: (L,) the delays, zero in the middle, positive where currents come later; scores: (F, n,
     L) log-likelihoods by friction, joint and delay, zero of joints at rest; of the frictions, the
     first two are usual ones, the others reverse over a long distance; shortest: delay that matters
-    [s].
+    [s]; moves: (n,) which joints move.
     """
 
     seconds: Array
     scores: Array
     shortest: float
+    moves: Mask
 
     @property
     def likelihoods(self) -> Array:
@@ -76,13 +77,16 @@ class Delays(NamedTuple):
         return self._replace(scores=self.scores[:, joint : joint + 1])
 
     def late_joint(self, rubs: bool) -> tuple[int, float] | None:
-        """Return the only joint, from 0, with a delay, and that delay [s]; None if there is no such
-        joint, or the others may have that delay, too. rubs: whether friction brakes what the
-        efforts drive.
+        """Return the only moving joint, from 0, with a delay, and that delay [s]; None if there is
+        no such joint, or the others may have that delay, too. rubs: whether friction brakes what
+        the efforts drive.
+
+        What a joint at rest holds against the motion of others does not tell when its efforts come.
         """
         least = MIN_LEAD_BEFORE_SHORTER if rubs else MIN_LEAD_OF_TORQUE
-        found = [self.of_joint(joint).ahead_by(least) for joint in range(self.scores.shape[1])]
-        shown = [(joint, delay) for joint, delay in enumerate(found) if delay is not None]
+        moving = [int(joint) for joint in np.flatnonzero(self.moves)]
+        found = [self.of_joint(joint).ahead_by(least) for joint in moving]
+        shown = [(joint, delay) for joint, delay in zip(moving, found, strict=True) if delay]
         if len(shown) != 1:
             return None
         ((joint, delay),) = shown
@@ -238,7 +242,7 @@ def delays_by_motion(robot: pd.DataFrame, arm: Robot, step: float, cutoff: float
             basis, _ = np.linalg.qr(np.column_stack([*terms, friction[rows]]))
             left.append(((currents - basis @ (basis.T @ currents)) ** 2).mean(axis=0))
         scores[:, joint] = -independent / 2 * np.log(np.array(left) + CURRENT_NOISE**2)
-    return Delays(np.asarray(lags * step), scores, shortest)
+    return Delays(np.asarray(lags * step), scores, shortest, moves)
 
 
 def _links(arm: Robot, q: Array, qd: Array, qdd: Array) -> list[Array]:
