@@ -182,7 +182,7 @@ def test_9_without_a_contact_the_page_says_what_would_have_been_seen() -> None:
     told = card_of(results, "pushes")
     assert "2943 N" in told
     assert "Trial push of 1 s not found, along x, at rest" in told
-    assert "best motion and axis 182 N on" in told
+    assert "along an axis, best motion 182 N on" in told
 
 
 def test_10_nothing_is_judged_by_next_to_nothing() -> None:

@@ -450,7 +450,7 @@ def _easiest(rows: pd.DataFrame, robot: str, rank: int) -> Iterator[Verdict]:
     """Yield the smallest push that is found with the best motion and axis."""
     if rows["value"].notna().any():
         row = rows.loc[rows["value"].astype(float).idxmin()]
-        about = _trial(row) | {"quantity": "smallest trial push found, best motion and axis"}
+        about = _trial(row) | {"quantity": "smallest trial push found along an axis, best motion"}
         yield Verdict(question="pushes", arm=robot, rank=rank + 1, **about | {"reason": ""})
 
 

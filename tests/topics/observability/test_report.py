@@ -144,7 +144,7 @@ def test_the_section_says_what_the_trials_rest_on(rows: list[dict[str, Any]], to
 def test_the_section_says_how_long_a_push_lasts_and_where_it_is_found_best_and_worst() -> None:
     judged = judged_anew(pushed([*REST, *SLOW]))
     text = section("observability", judged).text
-    assert "Smallest trial push found, best motion and axis 12 N on, along z, slow." in text
+    assert "Smallest trial push found along an axis, best motion 12 N on, along z, slow." in text
     assert "Trial push of 1 s not found: > 100 N" in text
 
 
