@@ -84,9 +84,9 @@ class Delays(NamedTuple):
         What a joint at rest holds against the motion of others does not tell when its efforts come.
         """
         least = MIN_LEAD_BEFORE_SHORTER if rubs else MIN_LEAD_OF_TORQUE
-        moving = [int(joint) for joint in np.flatnonzero(self.moves)]
-        found = [self.of_joint(joint).ahead_by(least) for joint in moving]
-        shown = [(joint, delay) for joint, delay in zip(moving, found, strict=True) if delay]
+        moving = np.flatnonzero(self.moves).tolist()
+        found = [(joint, self.of_joint(joint).ahead_by(least)) for joint in moving]
+        shown = [(joint, delay) for joint, delay in found if delay is not None]
         if len(shown) != 1:
             return None
         ((joint, delay),) = shown
