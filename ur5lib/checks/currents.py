@@ -71,6 +71,13 @@ class Answers(NamedTuple):
             [[own[k] - np.delete(own, k).max() for k in range(len(own))] for own in self.of_joints]
         )
 
+    def of_exchanges(self) -> Array:
+        """Return the log-likelihood that the currents of two joints are exchanged beyond that by
+        the best of the other joints, (6, 6): negative where it speaks against this.
+        """
+        ahead = self.ahead()
+        return np.asarray(ahead + ahead.T)
+
 
 def answers(
     robot: pd.DataFrame, means: BlockMeans, arm: Robot, step: float, cutoff: float
@@ -105,8 +112,7 @@ def moving_joints(means: BlockMeans) -> Mask:
 
 def exchanged_currents(answers: Answers) -> Iterator[Finding]:
     """Find two joints, each of which explains the other's current better than all others do."""
-    ahead = answers.ahead()
-    gains = np.triu(ahead + ahead.T, 1)
+    gains = np.triu(answers.of_exchanges(), 1)
     j, k = np.argwhere(gains == gains.max())[0].tolist()
     if gains[j, k] > MIN_LEAD_OF_EXCHANGE:
         yield exchanged_efforts((j, k), CURRENT)

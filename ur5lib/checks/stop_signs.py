@@ -163,12 +163,20 @@ def _changes(checked: Checked) -> Iterator[Cause]:
     motion, arm = checked.motion, checked.loaded
     if motion is None:
         return
-    yield from motion.exchanges_of_efforts()
+    yield from (own for own in motion.exchanges_of_efforts() if not _is_answered(checked, own))
     yield from motion.turned_by_links()
     if checked.means.torque is None:
         yield from motion.exchanges_of_joints()
         if arm.has_ur_motors():
             yield from motion.other_arms([one for one in checked.others if one.name != arm.name])
+
+
+def _is_answered(checked: Checked, exchange: Cause) -> bool:
+    """Return whether currents answer the motion of their own joints, so that two are not exchanged,
+    although the links explain the efforts better so: friction that hides gravity may be like them.
+    """
+    j, k = (joint - 1 for joint in exchange.finding.joints)
+    return checked.answers is not None and bool(checked.answers.of_exchanges()[j, k] < 0)
 
 
 def _explains(cause: Cause, units: list[Finding], motion: MotionChecks | None) -> bool:
