@@ -135,6 +135,9 @@ def test_false_alarms_are_those_where_nothing_touches_the_arm() -> None:
     assert (numbers["contacts found"].count, numbers["contacts found"].of) == (3, 4)
     assert numbers["false alarms"].count == 2
     assert numbers["false alarms on recordings with contacts"].count == 1
+    assert numbers["false alarms, all recordings"].count == 3
+    told = numbers["time in which an alarm can be told false, all recordings"]
+    assert told.value == pytest.approx(0.75 + 1)
 
 
 def test_days_without_a_fit_are_counted_by_themselves() -> None:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.force.touched import touched
-from ur5lib.judging.contacts import FARTHEST, counted, days_between, of_days, rates
+from ur5lib.judging.contacts import EVERY_DAY, FARTHEST, counted, days_between, of_days, rates
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
@@ -26,6 +26,14 @@ class JudgedLive(NamedTuple):
 
     verdicts: list[Verdict]
     false_alarms: list[LiveFalseAlarms]
+
+
+class Counts(NamedTuple):
+    """Numbers of recordings and of false alarms on them, and the minutes that can be judged."""
+
+    recordings: int
+    alarms: int
+    minutes: float
 
 
 @step(
@@ -61,9 +69,10 @@ def judge_live(
     ]
     alarms = [*_false_alarms(pd.DataFrame(free, columns=COLUMNS))]
     unseen = [row for row in alarms if row.role == "validate" and row.days != FARTHEST]
+    beside = _beside_contacts(detection, minutes)
     numbers = [*_found(detection.values())]
     numbers += [number for row in unseen for number in rates(row)]
-    numbers += _beside_contacts(detection, minutes)
+    numbers += _in_all(beside, [row for row in alarms if row.days == EVERY_DAY])
     verdicts = [Verdict(question=QUESTION, rank=k, **own) for k, own in enumerate(numbers, start=1)]
     return JudgedLive(verdicts, alarms)
 
@@ -117,18 +126,28 @@ def _found(detection: Iterable[pd.DataFrame]) -> Iterator[dict[str, Any]]:
         }
 
 
-def _beside_contacts(
-    detection: Mapping[str, pd.DataFrame], minutes: Mapping[str, float]
-) -> Iterator[dict[str, Any]]:
-    """Yield the number of false alarms on recordings with contacts at a sensor, as fields of a
-    verdict.
+def _beside_contacts(detection: Mapping[str, pd.DataFrame], minutes: Mapping[str, float]) -> Counts:
+    """Return the false alarms on recordings with contacts at a sensor, and the minutes in which the
+    estimator decides there.
     """
-    rates_of = {
-        name: own["false_alarms_per_min"].iloc[0]
-        for name, rows in detection.items()
-        if len(own := _of_contacts(rows))
-    }
-    if rates_of:
-        count = sum(round(rate * minutes[name]) for name, rate in rates_of.items())
-        about = {"quantity": "false alarms on recordings with contacts", "sense": "less"}
-        yield about | {"count": count}
+    rows = {name: own.iloc[0] for name, of in detection.items() if len(own := _of_contacts(of))}
+    return Counts(
+        len(rows),
+        sum(round(row["false_alarms_per_min"] * minutes[name]) for name, row in rows.items()),
+        sum((1 - row["unknown"]) * minutes[name] for name, row in rows.items()),
+    )
+
+
+def _in_all(beside: Counts, free: list[LiveFalseAlarms]) -> Iterator[dict[str, Any]]:
+    """Yield the false alarms on recordings with contacts at a sensor, if there are such, and on all
+    where a sensor or the role tells them, with the minutes of these, as fields of verdicts.
+    """
+    less: dict[str, Any] = {"sense": "less"}
+    if beside.recordings:
+        quantity = "false alarms on recordings with contacts"
+        yield less | {"quantity": quantity, "count": beside.alarms}
+    count = beside.alarms + sum(row.alarms for row in free)
+    if minutes := beside.minutes + sum(row.minutes for row in free):
+        yield less | {"quantity": "false alarms, all recordings", "count": count}
+        quantity = "time in which an alarm can be told false, all recordings"
+        yield {"quantity": quantity, "value": minutes, "unit": "min"}
