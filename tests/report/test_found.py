@@ -161,6 +161,18 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
     assert "Record all joints of ur5" in sentences(every)[0]
 
 
+def test_spans_of_fits_that_seem_touched_are_asked_to_be_cut_off() -> None:
+    """With what does it, and not among what is impossible."""
+    about = {"robot": "ur5", "step": "contact forces", "code": CauseCode.HIDDEN_CONTACT}
+    told = "seems to be touched at 3.0 s: these spans are left out; cut them off by `from_s`"
+    results = study(remarks=[about | {"remark": f"“{name}” {told}"} for name in ("one", "other")])
+    assert sentences(results)[0] == (
+        "Cut spans off by `from_s` and `to_s`, or give the role contact: “one” seems to be touched "
+        "at 3.0 s, and others do."
+    )
+    assert left_out(results) == []
+
+
 def test_a_load_is_declared_where_the_currents_see_it() -> None:
     """Where another one is configured, theirs is the place of both together."""
     place = {f"center_of_mass_{axis}": 0.1 for axis in "xyz"}

@@ -40,6 +40,10 @@ def corrections(study: StudyTables) -> Iterator[Advice]:
     yield from _of_recordings(Asks.TOUCHED, study.touched())
     felt = [name for name in felt_while_fitted(study) if name not in study.touched()]
     yield from _of_recordings(Asks.FELT, felt)
+    hidden = study.rows("remarks", code=CauseCode.HIDDEN_CONTACT)
+    for row in hidden[:1].itertuples():
+        about: Any = {"robot": row.robot, "recordings": len(hidden), "detail": row.remark}
+        yield Advice(code=Asks.HIDDEN, kind="correction", **about)
     loads = study.rows("payload", taken="yes")
     for row in loads[:1].itertuples():
         mass = {"value": row.configured + row.mass, "std_error": row.std_error}

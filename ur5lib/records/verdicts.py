@@ -337,6 +337,7 @@ class Asks(StrEnum):
     STOP_ARM = "stop_arm"
     TOUCHED = "touched"
     FELT = "felt"
+    HIDDEN = "hidden"
     PAYLOAD = "payload"
     EXPLAINED = "explained"
     CONTRADICTION = "contradiction"

@@ -248,6 +248,7 @@ def left_out(results: Results) -> list[str]:
 def _left_out_fits(results: Results) -> Iterator[str]:
     """Report the fits that were not possible or are in doubt."""
     remarks = results.tables["remarks"]
-    for row in remarks[remarks["joint"].isna() & (remarks["step"] != STOP)].itertuples():
+    asked = remarks["code"] == CauseCode.HIDDEN_CONTACT  # in what to do next
+    for row in remarks[remarks["joint"].isna() & (remarks["step"] != STOP) & ~asked].itertuples():
         why = claim(row.remark).partition(", which ")[0]
         yield f"{capital(row.step)} of {row.robot}: {why}."

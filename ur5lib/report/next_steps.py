@@ -147,6 +147,15 @@ def _felt(asked: Asked) -> Step:
     return Step(sentence, "role: contact")
 
 
+def _hidden(asked: Asked) -> Step:
+    others = ", and others do" * asked.several
+    sentence = (
+        f"Cut spans off by `from_s` and `to_s`, or give the role contact: {claim(asked.detail)}"
+        f"{others}."
+    )
+    return Step(sentence, asked.check())
+
+
 def _payload(asked: Asked) -> Step:
     show = f"the {asked.results.effort.quantity}s show {number(asked.value, '.2g')} kg"
     sentence = (
@@ -154,6 +163,8 @@ def _payload(asked: Asked) -> Step:
         if asked.several
         else f"Weigh the load on {asked.recordings} and declare it: {show}."
     )
+    if asked.several:
+        return Step(sentence, f"ur5 payload {asked.results.study.get('study', '')}".strip())
     mass = number(asked.value, ".3g")
     return Step(sentence, f"payload: {{mass: {mass}, center_of_mass: {asked.place}}}")
 
@@ -257,6 +268,7 @@ ASKED: dict[Asks, Callable[[Asked], Step]] = {
     Asks.STOP_ARM: _stop_arm,
     Asks.TOUCHED: _touched,
     Asks.FELT: _felt,
+    Asks.HIDDEN: _hidden,
     Asks.PAYLOAD: _payload,
     Asks.EXPLAINED: _explained,
     Asks.CONTRADICTION: _contradiction,
