@@ -89,6 +89,7 @@ def test_2_a_sensor_beats_a_role() -> None:
     }
     assert use["currents"] == ("no", "touched")
     assert use["contacts"] == ("yes", "")
+    assert "fit" not in use
     assert state(results, "recordings") == ("usable", "error")
     assert next_steps(results)[0].sentence.startswith("Give “seen” the role contact")
 

@@ -168,6 +168,7 @@ def _refused(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
     yield "all", "stopped", stopped
     yield "all", "unread", {*study.unusable()} - stopped
     touched = {*study.touched()}
+    yield "fit", "touched", touched & {*study.with_role("fit")}
     yield "currents", "touched", touched & {*study.with_role("validate")}
     yield "currents", "loaded", {*study.with_role("validate", study.loaded())} - touched
     unsensed = {*study.with_role("contact")} - {*study.tables["sensed"]["recording"]}
@@ -182,5 +183,4 @@ def _doubts(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
     doubts last.
     """
     yield "fit", "felt", {*felt_while_fitted(study)}
-    yield "fit", "touched", {*study.touched()}
     yield "links", "fitted", {*study.with_role("fit")}
