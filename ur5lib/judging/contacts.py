@@ -164,7 +164,7 @@ def _timing(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
     delays = found["onset_error_s"].astype(float).dropna()
     if len(delays):
         median = {"value": float(delays.median()), "unit": "s", "count": len(delays)}
-        yield median | {"quantity": "delay of found contacts, median", "sense": "less"}
+        yield median | {"quantity": "delay of found contacts, offline, median", "sense": "less"}
 
 
 def detections(study: StudyTables) -> pd.DataFrame:
