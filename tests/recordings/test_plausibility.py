@@ -67,7 +67,7 @@ def test_a_joint_without_limits_may_be_anywhere() -> None:
 
 
 @pytest.mark.parametrize("factor", [1.0, 30.0])
-def test_a_strong_arm_may_have_large_targets(ur5: Robot, factor: float) -> None:
+def test_a_strong_arm_may_have_large_efforts(ur5: Robot, factor: float) -> None:
     """Beyond a UR's 1000 Nm, twice what its motors can is the limit."""
     motors = {
         name: own.model_copy(update={"torque_max": factor * own.torque_max})
@@ -79,14 +79,15 @@ def test_a_strong_arm_may_have_large_targets(ur5: Robot, factor: float) -> None:
     assert most["target_qdd_0"] >= 200.0
     current = 2 * ur5.torque_limits()[1] / ur5.maker_torque_constants()[1]
     assert most["target_current_1"] == pytest.approx(max(factor * current, 60.0))
-    assert "actual_current_1" not in most
+    assert most["actual_current_1"] == most["target_current_1"]
 
 
-def test_target_currents_have_no_bound_without_a_torque_constant(ur5: Robot) -> None:
+def test_without_a_torque_constant_measured_currents_alone_have_a_bound(ur5: Robot) -> None:
     motors = {
         name: own.model_copy(update={"torque_constant": None}) for name, own in ur5.motors.items()
     }
-    assert bounds_of(ur5.model_copy(update={"motors": motors}))["target_current_0"] == math.inf
+    most = bounds_of(ur5.model_copy(update={"motors": motors}))
+    assert (most["target_current_0"], most["actual_current_0"]) == (math.inf, 60.0)
 
 
 @pytest.mark.parametrize(("count", "refused"), [(5, False), (6, True)])

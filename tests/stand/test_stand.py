@@ -303,6 +303,20 @@ def test_the_controller_knows_four_fifths_of_the_friction_of_sliding_joints(robo
     np.testing.assert_allclose(coulomb / (0.8 * friction.coulomb), np.tanh(1.0), rtol=1e-9)
 
 
+@pytest.mark.parametrize("factor", [1.0, 10.0])
+def test_motors_of_another_kind_have_the_constants_of_their_maker(factor: float) -> None:
+    """With a UR's, at most what the thesis's shows, an arm of 300 kg would need 166 A."""
+    arm = load_robot(robot_path("ur5e"))
+    motors = {
+        name: own.model_copy(update={"torque_constant": factor * (own.torque_constant or 0.0)})
+        for name, own in arm.motors.items()
+    }
+    arm = arm.model_copy(update={"motors": motors})
+    most = [10.7, 10.7, 10.7, 10.2, 11.9, 10.7] if factor == 1 else [np.inf] * 6
+    constant = drive_of(arm, friction_of(arm, friction=True)).torque_constant
+    np.testing.assert_allclose(constant, np.fmin(most, arm.maker_torque_constants()))
+
+
 def test_the_noise_of_motion_sets_in_around_a_twentieth_of_a_radian_per_second() -> None:
     """The same for both directions."""
     share = motion_share(np.array([-2.0, -0.05, 0.0, 0.05, 2.0]))

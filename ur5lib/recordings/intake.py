@@ -179,9 +179,9 @@ def _expect_joints(robot: DeviceRecord, arm: Robot) -> None:
 def bounds_of(arm: Robot, unknown: bool = False) -> dict[str, float]:
     """Return, by column, the magnitude from which on a value is impossible for an arm.
 
-    All but measured efforts have a UR's bounds, or twice the arm's own limits if these are larger.
-    Measured torques of other arms have none, nor have efforts in an unknown unit, and target
-    currents of motors without a documented torque constant.
+    All have a UR's bounds, or twice the arm's own limits if these are larger; measured currents of
+    motors without a documented torque constant have a UR's. Measured torques of other arms have
+    none, nor have efforts in an unknown unit, and target currents of such motors.
     """
     farthest = [TIMES_POSSIBLE * max(map(abs, ends)) for ends in arm.position_limits()]
     fastest = [TIMES_POSSIBLE * speed for speed in arm.velocity_limits()]
@@ -189,8 +189,9 @@ def bounds_of(arm: Robot, unknown: bool = False) -> dict[str, float]:
     limits |= {f"{kind}_qd": fastest for kind in ("actual", "target")}
     limits["target_qdd"] = [TIMES_POSSIBLE * rate for rate in arm.acceleration_limits()]
     limits["target_moment"] = [TIMES_POSSIBLE * torque for torque in arm.torque_limits()]
-    known = zip(limits["target_moment"], arm.maker_torque_constants(), strict=True)
-    limits["target_current"] = [math.inf if math.isnan(k) else torque / k for torque, k in known]
+    amperes = np.divide(limits["target_moment"], arm.maker_torque_constants())
+    limits["target_current"] = np.nan_to_num(amperes, nan=math.inf).tolist()
+    limits["actual_current"] = np.nan_to_num(amperes, nan=0.0).tolist()
     if arm.measured == TORQUE or unknown:
         limits[arm.measured.channel] = [math.inf] * len(arm.joints)
     return {

@@ -16,8 +16,9 @@ MOVING_SPEED = 0.05  # rad/s; at it, a joint has three quarters of the noise of 
 
 # Values of the thesis's UR5, joint by joint: from its target currents at rest, and from its
 # currents above 2 Hz: a ripple of two (big joints) or four periods per motor turn, and noise.
-# Nm/A, an upper limit for all arms
+# Nm/A, an upper limit for all arms whose motors are a UR's in kind
 MAX_TORQUE_CONSTANT = np.array([10.7, 10.7, 10.7, 10.2, 11.9, 10.7])
+LARGEST_RATIO = 2.0  # to it; motors with larger constants are of another kind
 CURRENT_RIPPLE = np.array([0.50, 0.57, 0.33, 0.27, 0.11, 0.27])  # A, amplitude
 # The ripple has this many periods per turn of the joint.
 RIPPLE_PERIODS = np.array([202, 202, 202, 404, 404, 404])
@@ -73,14 +74,14 @@ def drive_of(robot: Robot, friction: FrictionParameters) -> Drive:
     """Return the drives of an arm; friction: of its joints."""
     joints = len(robot.joints)
     frequency = along_chain(NATURAL_FREQUENCY, joints)
-    usual = along_chain(MAX_TORQUE_CONSTANT, joints)
+    usual, known = along_chain(MAX_TORQUE_CONSTANT, joints), robot.maker_torque_constants()
     return Drive(
         position_gain=frequency**2,  # (2.74)
         velocity_gain=2 * frequency,
         viscous=KNOWN_FRICTION_SHARE * friction.viscous,
         coulomb=KNOWN_FRICTION_SHARE * friction.coulomb,
         torque_max=np.array(robot.torque_limits()),
-        torque_constant=np.fmin(usual, robot.maker_torque_constants()),
+        torque_constant=np.where(known > LARGEST_RATIO * usual, known, np.fmin(usual, known)),
     )
 
 
