@@ -43,8 +43,8 @@ def at_sensors(study: StudyTables) -> pd.DataFrame:
 
 
 def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
-    """Yield the number of found contacts, the force [N] above which none is missed, and the errors
-    of the peaks; the first two also at rest and in motion.
+    """Yield the number of found contacts, the force [N] above which none is missed, both also at
+    rest and in motion, and the errors of peaks, where the sensor's bias is sure on any recording.
     """
     rows = at_sensors(study)
     if rows.empty:
@@ -59,7 +59,11 @@ def judge_contacts(study: StudyTables) -> Iterator[Verdict]:
     if len(parts) > 1:
         numbers += [number for part in parts for number in (_found(part), _found_from(part))]
     numbers += [_of_fate(rows, fate) for fate in (Fate.MISSED, Fate.MERGED)]
-    numbers += [*_peaks(rows), *_timing(rows)]
+    biased = rows["recording"].isin(study.doubted())
+    sized = rows if biased.all() else rows[~biased]  # forces of these are known
+    numbers += [*_peaks(sized), *_timing(sized)]
+    if len(sized) < len(rows):
+        numbers.append(_peak_error(rows[biased], ", sensor bias uncertain"))
     for rank, number in enumerate(filter(None, numbers), start=1):
         yield Verdict(**about | number, rank=rank, reason=doubt if rank == 1 else "")
 
@@ -133,6 +137,16 @@ def _mean(shares: "pd.Series[float]") -> dict[str, Any]:
     return found | {"low": mean - half, "high": mean + half, "interval": "95 %"}
 
 
+def _peak_error(rows: pd.DataFrame, where: str = "") -> dict[str, Any]:
+    """Return the mean size of the error of the peaks of found contacts [%]; {} without any."""
+    found = rows[rows["fate"] == Fate.FOUND]
+    shares = (found["peak_error"] / found["peak"]).dropna()
+    if shares.empty:
+        return {}
+    size = {"value": 100 * float(shares.abs().mean()), "unit": "%", "count": len(shares)}
+    return size | {"quantity": f"mean absolute error of found peaks{where}", "sense": "less"}
+
+
 def _timing(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """Yield how many peaks of found contacts lie in their 95 % bands and how many are far too
     small, their mean size of error [%] and the most that one is too small [N], the mean error of
@@ -149,9 +163,7 @@ def _timing(rows: pd.DataFrame) -> Iterator[dict[str, Any]]:
         low = {"count": int((shares < -MAX_GOOD_PEAK_ERROR).sum()), "of": len(shares)}
         quantity = "peaks too small by more than a quarter"
         yield low | {"quantity": quantity, "sense": "less"}
-        size = {"value": 100 * float(shares.abs().mean()), "unit": "%", "count": len(shares)}
-        quantity = "mean absolute error of found peaks"
-        yield size | {"quantity": quantity, "sense": "less"}
+    yield _peak_error(rows)
     short = found.loc[found["peak_error"] < 0].dropna(subset="peak_error")
     if len(short):
         row = short.loc[short["peak_error"].idxmin()]
@@ -388,11 +400,12 @@ def rates(row: FalseAlarms) -> Iterator[dict[str, Any]]:
     """Yield the number of false alarms, the minutes, and the upper limit of the rate [1/min]."""
     other = " on days without a fit recording" if row.days == WITHOUT_FIT else ""
     short = row.alarms == 0 and row.per_min_high > GOOD_ALARM_RATE
-    about = {"basis": "unseen", "reason": "short" if short else ""}
+    unseen = {"basis": "unseen"}
+    about = unseen | {"reason": "short" if short else ""}
     yield about | {"quantity": f"false alarms{other}", "count": row.alarms, "sense": "less"}
-    yield {"quantity": f"time without contact{other}", "value": row.minutes, "unit": "min"}
-    quantity = f"false alarms{other}, at most (95 %)"
-    about = {"quantity": quantity, "sense": "at most"}
+    about = unseen | {"quantity": f"time without contact{other}"}
+    yield about | {"value": row.minutes, "unit": "min"}
+    about = unseen | {"quantity": f"false alarms{other}, at most (95 %)", "sense": "at most"}
     yield about | {"value": row.per_min_high, "unit": "a minute"}
 
 

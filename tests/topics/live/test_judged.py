@@ -165,7 +165,7 @@ def test_its_section_has_contacts_and_false_alarms() -> None:
         "verdicts": pd.DataFrame(map(vars, found.verdicts)),
     }
     own = section("live", replace(made, tables={**made.tables, **tables}))
-    assert "3 of 4 contacts found. 0 false alarms. " in own.text
+    assert "3 of 4 contacts found. 0 false alarms, on unseen recordings. " in own.text
     assert own.tables["live-contacts"][0]["≥ 5 N"] == "3 of 4"
     assert own.tables["live-alarms"][0]["false alarms"] == "0"
     rest, fast = own.tables["live-pushes"]
