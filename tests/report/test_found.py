@@ -167,8 +167,8 @@ def test_spans_of_fits_that_seem_touched_are_asked_to_be_cut_off() -> None:
     told = "seems to be touched at 3.0 s: these spans are left out; cut them off by `from_s`"
     results = study(remarks=[about | {"remark": f"“{name}” {told}"} for name in ("one", "other")])
     assert sentences(results)[0] == (
-        "Cut spans off by `from_s` and `to_s`, or give the role contact: “one” seems to be touched "
-        "at 3.0 s, and others do."
+        "If something touched the arm there, cut it off by `from_s` and `to_s`: “one” seems to be "
+        "touched at 3.0 s, and others do."
     )
     assert left_out(results) == []
 

@@ -181,6 +181,9 @@ def judge_gravity(study: StudyTables, robot: str) -> Iterator[Verdict]:
         )
 
 
+AGAINST_GRAVITY = ("far", "unlikely", "contradicted")  # reasons of constants, or a load is wrong
+
+
 def _state_of_load(
     rows: pd.DataFrame, agree: "pd.Series[bool]", carried: float
 ) -> tuple[State, Reason]:
@@ -212,6 +215,10 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
     about: Any = {"question": "load", "arm": robot}
     meant = "that of the others" if robot in study.placeholders else "the declared one"
     state, reason = _state_of_load(rows, agree, study.loads[robot])
+    if state == "good" and any(
+        one.reason in AGAINST_GRAVITY for one in judge_gravity(study, robot)
+    ):
+        state, reason = "usable", "constant"
     if state == "good" and robot in study.placeholders:
         state, reason = "not determined", "unknown_links"
     yield Verdict(

@@ -148,10 +148,9 @@ def _felt(asked: Asked) -> Step:
 
 
 def _hidden(asked: Asked) -> Step:
-    others = ", and others do" * asked.several
     sentence = (
-        f"Cut spans off by `from_s` and `to_s`, or give the role contact: {claim(asked.detail)}"
-        f"{others}."
+        f"If something touched the arm there, cut it off by `from_s` and `to_s`: "
+        f"{claim(asked.detail)}{', and others do' * asked.several}."
     )
     return Step(sentence, asked.check())
 
