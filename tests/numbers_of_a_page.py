@@ -125,6 +125,8 @@ def check_signs(text: str, row: dict[str, Any]) -> None:
     if row.get("interval") == "95 %" and low < middle < high:
         assert not below or (below not in text and above not in text), (text, row)
     elif below and row.get("value", middle) != middle:
+        if row["sense"] == "ratio" and row["value"] < 0:
+            below = "of opposite sign"
         right, wrong = (below, above) if row["value"] < middle else (above, below)
         assert right in text, (text, row)
         assert wrong not in text, (text, row)
