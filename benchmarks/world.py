@@ -57,14 +57,14 @@ TABLES = ("verdicts", "torque_constants")
 PAGE = Path("docs/world.md")
 HEAD = """# A world of situations
 
-Each line is a study on the [virtual test stand](methods.md#virtual-test-stand), {seeds} seeds: two
+Each line is a study on the [virtual test stand](methods.md#virtual-test-stand), {seeds}: two
 fits in motion and one with stops, a free recording, one that is pushed in motion and one at rest,
 with one thing changed; each draws its own paths and pushes. Friction and the torques held at stops
-vary from run to run. `python -m benchmarks.world --page` writes this page;
+vary from run to run. `python -m benchmarks.world --seeds <n> --page` writes this page;
 `benchmarks/harness/situations.py` has the situations.
 
 ![Error of the force over that of plain least squares, and share inside the 95 % band, a situation a
-row: most are below one, those with an unknown tool above.](pictures/world.svg)
+row: nearly all are below one.](pictures/world.svg)
 
 - Errors are root mean squares of the force vector in contact, by the truth, low-passed as torques
   are; plain: least squares of the external torques.
@@ -105,7 +105,7 @@ def main() -> None:
     print(found)
     if given.page:
         beside = section(read_page(PAGE), stand_and_arms.TITLE)
-        head = HEAD.format(seeds=given.seeds)
+        head = HEAD.format(seeds=f"{given.seeds} seed{'s' * (given.seeds > 1)}")
         write_page(f"{head}{folded('world', found)}\n\n{beside}", PAGE)
 
 

@@ -70,6 +70,7 @@ def load(mass: float) -> Plan:
     return {"undeclared_payload": {"mass": mass, "center_of_mass": [0.02, 0.0, 0.06]}}
 
 
+WARMING = 25.0, 40.0  # °C, in each recording
 FRICTION, DRIVE = "ur5lib.stand.friction", "ur5lib.stand.drive"
 SITUATIONS: dict[str, Situation] = {
     "tool of 0 cm, known": Situation(tool=0.0, declared=0.0),
@@ -111,6 +112,8 @@ SITUATIONS: dict[str, Situation] = {
     "pushes hidden in a fit": Situation(hidden=1),
     "pushes hidden in two fits": Situation(hidden=2),
     "two pushes at once": Situation(twice=True),
+    "pushes hidden in all fits": Situation(hidden=3),
+    "motors warm up by 15 °C": Situation(plan={"temperature_c": WARMING}),
 }
 
 
