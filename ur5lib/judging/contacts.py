@@ -237,13 +237,13 @@ def _contacts_on(rows: pd.DataFrame) -> dict[str, Any]:
 def _alarms_on(rows: pd.DataFrame, counts: Any, study: StudyTables) -> dict[str, Any]:
     """Return the numbers of alarms and false alarms, and the widest band of a contact.
 
-    Where something may touch the arm and no sensor says when, no alarm is known to be false.
+    Where something may touch or load the arm, and no sensor says when, none is known to be false.
     """
     minutes = _minutes(study)[counts.recording]
     false: int | None = None
     if not pd.isna(counts.false_alarms_per_min):
         false = round(counts.false_alarms_per_min * minutes)
-    elif study.roles()[counts.recording] != "contact":
+    elif study.roles()[counts.recording] != "contact" and counts.recording not in study.loaded():
         false = int((rows["kind"] == Kind.FALSE).sum())
     own = rows[rows["kind"] != Kind.OFF_FLANGE]  # stated forces are those of the flange
     bands = own.melt(
@@ -380,13 +380,13 @@ def _of_all(study: StudyTables, every: list[Noticed]) -> Iterator[dict[str, Any]
     """Yield the number of false alarms on all searched recordings where a sensor or the role tells
     false ones, and the duration [min] of these.
     """
-    untold = {row.recording for row in every if row.false_alarms is None}
+    untold = {row.recording for row in every if row.false_alarms is None} | {*study.loaded()}
     searched = detections(study)["recording"]
     searched = _minutes(study).reindex(searched[~searched.isin(untold)])
     if len(searched):
         yield {"quantity": "false alarms, all recordings", "count": _false(every), "sense": "less"}
         minutes = {"value": float(searched.sum()), "unit": "min"}
-        yield minutes | {"quantity": "time in which an alarm can be told false, all recordings"}
+        yield minutes | {"quantity": "time of recordings that tell false alarms"}
 
 
 def _high_threshold(thresholds: "pd.Series[float]") -> Iterator[dict[str, Any]]:

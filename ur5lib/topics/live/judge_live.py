@@ -149,5 +149,5 @@ def _in_all(beside: Counts, free: list[LiveFalseAlarms]) -> Iterator[dict[str, A
     count = beside.alarms + sum(row.alarms for row in free)
     if minutes := beside.minutes + sum(row.minutes for row in free):
         yield less | {"quantity": "false alarms, all recordings", "count": count}
-        quantity = "time in which an alarm can be told false, all recordings"
+        quantity = "time of recordings that tell false alarms"
         yield {"quantity": quantity, "value": minutes, "unit": "min"}
