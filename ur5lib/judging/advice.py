@@ -43,7 +43,7 @@ def corrections(study: StudyTables) -> Iterator[Advice]:
     hidden = study.rows("remarks", code=CauseCode.HIDDEN_CONTACT)
     for row in hidden[:1].itertuples():
         about: Any = {"robot": row.robot, "recordings": len(hidden), "detail": row.remark}
-        yield Advice(code=Asks.HIDDEN, kind="correction", **about)
+        yield Advice(code=Asks.HIDDEN, kind="correction", value=len(hidden) - 1, **about)
     loads = study.rows("payload", taken="yes")
     for row in loads[:1].itertuples():
         mass = {"value": row.configured + row.mass, "std_error": row.std_error}

@@ -148,9 +148,10 @@ def _felt(asked: Asked) -> Step:
 
 
 def _hidden(asked: Asked) -> Step:
+    others = f", like {asked.value or 0:.0f} more"
     sentence = (
         f"If something touched the arm there, cut it off by `from_s` and `to_s`: "
-        f"{claim(asked.detail)}{', and others do' * asked.several}."
+        f"{claim(asked.detail)}{others * asked.several}."
     )
     return Step(sentence, asked.check())
 
