@@ -394,7 +394,8 @@ def test_moments_no_better_than_zero_are_not_to_be_used() -> None:
     known = touched(1.0)[0] | {"determined": "no"}
     rows = [*touched(1.0), *(known | {"component": name} for name in ("nx", "ny", "nz"))]
     assert findings(study(force_mae=rows)) == [
-        "Do not use the moments nx, ny and nz: on no recording are they reliably better than zero."
+        "Do not use the moments nx, ny and nz of F̂ᵐᵃᵖ: on no recording are they reliably better "
+        "than zero."
     ]
     rows[-1] |= {"determined": "yes"}
     assert "moments nx and ny" in findings(study(force_mae=rows))[0]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ur5lib.errors import printable
-from ur5lib.force.estimators import LEADING
+from ur5lib.force.estimators import LEADING, SPOKEN
 from ur5lib.judging.advice import CONTRADICTIONS
 from ur5lib.records.account import NOTHING
 from ur5lib.records.codes import CauseCode, Found
@@ -199,7 +199,8 @@ def _undetermined_moments(results: Results) -> Iterator[str]:
     determined = {*moments.loc[moments["determined"] == "yes", "component"]}
     if names := [name for name in moments["component"].unique() if name not in determined]:
         moments_of = f"Do not use the moments {listed(names)}"
-        yield f"{moments_of}: on no recording are they reliably better than zero."
+        whose = SPOKEN[str(moments["estimate"].iloc[0])]
+        yield f"{moments_of} of {whose}: on no recording are they reliably better than zero."
 
 
 def _taken_up(results: Results) -> Iterator[str]:

@@ -140,7 +140,7 @@ def _beside_contacts(detection: Mapping[str, pd.DataFrame], minutes: Mapping[str
 
 def _in_all(beside: Counts, free: list[LiveFalseAlarms]) -> Iterator[dict[str, Any]]:
     """Yield the false alarms on recordings with contacts at a sensor, if there are such, and on all
-    where a sensor or the role tells them, with the minutes of these, as fields of verdicts.
+    where a sensor or the role shows them, with the minutes of these, as fields of verdicts.
     """
     less: dict[str, Any] = {"sense": "less"}
     if beside.recordings:
