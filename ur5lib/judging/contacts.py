@@ -384,9 +384,16 @@ def _of_all(study: StudyTables, every: list[Noticed]) -> Iterator[dict[str, Any]
     searched = detections(study)["recording"]
     searched = _minutes(study).reindex(searched[~searched.isin(untold)])
     if len(searched):
-        yield {"quantity": "false alarms, all recordings", "count": _false(every), "sense": "less"}
-        minutes = {"value": float(searched.sum()), "unit": "min"}
-        yield minutes | {"quantity": "time of recordings that tell false alarms"}
+        yield from in_all(_false(every), float(searched.sum()))
+
+
+def in_all(alarms: int, minutes: float) -> Iterator[dict[str, Any]]:
+    """Yield the number of false alarms on all recordings that tell them, and the minutes of these,
+    as fields of verdicts.
+    """
+    yield {"quantity": "false alarms, all recordings", "count": alarms, "sense": "less"}
+    quantity = "time of recordings that tell false alarms"
+    yield {"quantity": quantity, "value": minutes, "unit": "min"}
 
 
 def _high_threshold(thresholds: "pd.Series[float]") -> Iterator[dict[str, Any]]:

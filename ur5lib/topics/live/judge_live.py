@@ -9,7 +9,15 @@ import pandas as pd
 
 from ur5lib.force.sensed_contact import CONTACT_FORCE
 from ur5lib.force.touched import touched
-from ur5lib.judging.contacts import EVERY_DAY, FARTHEST, counted, days_between, of_days, rates
+from ur5lib.judging.contacts import (
+    EVERY_DAY,
+    FARTHEST,
+    counted,
+    days_between,
+    in_all,
+    of_days,
+    rates,
+)
 from ur5lib.records.force_errors import Compared
 from ur5lib.records.prediction import Prediction
 from ur5lib.records.quality import Quality
@@ -26,14 +34,6 @@ class JudgedLive(NamedTuple):
 
     verdicts: list[Verdict]
     false_alarms: list[LiveFalseAlarms]
-
-
-class Counts(NamedTuple):
-    """Numbers of recordings and of false alarms on them, and the minutes that can be judged."""
-
-    recordings: int
-    alarms: int
-    minutes: float
 
 
 @step(
@@ -72,7 +72,7 @@ def judge_live(
     beside = _beside_contacts(detection, minutes)
     numbers = [*_found(detection.values())]
     numbers += [number for row in unseen for number in rates(row)]
-    numbers += _in_all(beside, [row for row in alarms if row.days == EVERY_DAY])
+    numbers += _false(beside, [row for row in alarms if row.days == EVERY_DAY])
     verdicts = [Verdict(question=QUESTION, rank=k, **own) for k, own in enumerate(numbers, start=1)]
     return JudgedLive(verdicts, alarms)
 
@@ -126,28 +126,27 @@ def _found(detection: Iterable[pd.DataFrame]) -> Iterator[dict[str, Any]]:
         }
 
 
-def _beside_contacts(detection: Mapping[str, pd.DataFrame], minutes: Mapping[str, float]) -> Counts:
-    """Return the false alarms on recordings with contacts at a sensor, and the minutes in which the
-    estimator decides there.
+def _beside_contacts(
+    detection: Mapping[str, pd.DataFrame], minutes: Mapping[str, float]
+) -> pd.DataFrame:
+    """Return the times of recordings with contacts at a sensor, as `_time`, and false alarms on
+    them.
     """
     rows = {name: own.iloc[0] for name, of in detection.items() if len(own := _of_contacts(of))}
-    return Counts(
-        len(rows),
-        sum(round(row["false_alarms_per_min"] * minutes[name]) for name, row in rows.items()),
-        sum((1 - row["unknown"]) * minutes[name] for name, row in rows.items()),
-    )
+    times = [
+        _time(row, minutes[name]) | {"alarms": round(row["false_alarms_per_min"] * minutes[name])}
+        for name, row in rows.items()
+    ]
+    return pd.DataFrame(times, columns=COLUMNS[2:])
 
 
-def _in_all(beside: Counts, free: list[LiveFalseAlarms]) -> Iterator[dict[str, Any]]:
+def _false(beside: pd.DataFrame, free: list[LiveFalseAlarms]) -> Iterator[dict[str, Any]]:
     """Yield the false alarms on recordings with contacts at a sensor, if there are such, and on all
     where a sensor or the role shows them, with the minutes of these, as fields of verdicts.
     """
-    less: dict[str, Any] = {"sense": "less"}
-    if beside.recordings:
+    alarms = int(beside["alarms"].sum())
+    if len(beside):
         quantity = "false alarms on recordings with contacts"
-        yield less | {"quantity": quantity, "count": beside.alarms}
-    count = beside.alarms + sum(row.alarms for row in free)
-    if minutes := beside.minutes + sum(row.minutes for row in free):
-        yield less | {"quantity": "false alarms, all recordings", "count": count}
-        quantity = "time of recordings that tell false alarms"
-        yield {"quantity": quantity, "value": minutes, "unit": "min"}
+        yield {"quantity": quantity, "count": alarms, "sense": "less"}
+    if minutes := float(beside["minutes"].sum()) + sum(row.minutes for row in free):
+        yield from in_all(alarms + sum(row.alarms for row in free), minutes)
