@@ -81,7 +81,7 @@ class Delays(NamedTuple):
         no such joint, or the others may have that delay, too. rubs: whether friction brakes what
         the efforts drive.
 
-        What a joint at rest holds against the motion of others does not tell when its efforts come.
+        What a joint at rest holds against the motion of others does not show when its efforts come.
         """
         least = MIN_LEAD_BEFORE_SHORTER if rubs else MIN_LEAD_OF_TORQUE
         moving = np.flatnonzero(self.moves).tolist()

@@ -377,7 +377,7 @@ def _false(rows: list[Noticed]) -> int:
 
 
 def _of_all(study: StudyTables, every: list[Noticed]) -> Iterator[dict[str, Any]]:
-    """Yield the number of false alarms on all searched recordings where a sensor or the role tells
+    """Yield the number of false alarms on all searched recordings where a sensor or the role shows
     false ones, and the duration [min] of these.
     """
     untold = {row.recording for row in every if row.false_alarms is None} | {*study.loaded()}
@@ -388,7 +388,7 @@ def _of_all(study: StudyTables, every: list[Noticed]) -> Iterator[dict[str, Any]
 
 
 def in_all(alarms: int, minutes: float) -> Iterator[dict[str, Any]]:
-    """Yield the number of false alarms on all recordings that tell them, and the minutes of these,
+    """Yield the number of false alarms on all recordings that show them, and the minutes of these,
     as fields of verdicts.
     """
     yield {"quantity": "false alarms, all recordings", "count": alarms, "sense": "less"}
