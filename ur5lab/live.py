@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 from pyarrow import csv
@@ -39,7 +40,7 @@ for prefix in ("live", "live_std"):
 UNITS |= {"evidence": "1", "contact": "1", "known": "1"}
 for name in ("untouched", "hidden", "hidden_at_all"):
     UNITS |= {f"{name}_{axis}": "N" for axis in "xyz"}
-UNITS["late"] = "s"
+UNITS |= {"link": "1", "off_flange": "1", "late": "s"}
 SHOWN_PERIOD = 0.2  # s
 
 Show = Callable[[float, Answer, str], None]
@@ -213,12 +214,13 @@ def _answered(estimator: Live, arrived: float, values: tuple[float, ...]) -> str
     did [s, monotonic].
     """
     stamp, q, qd, current = values[0], values[1:7], values[7:13], values[13:19]
-    wrench, std, contact, *limits = estimator.step(stamp, q, qd, current)
+    wrench, std, contact, *limits, link, off_flange = estimator.step(stamp, q, qd, current)
     known = contact == CONTACT, contact != UNKNOWN
     late = time.monotonic() - arrived
     limited = [value for limit in limits for value in limit.tolist()]
-    row = stamp, *wrench.tolist(), *std.tolist(), estimator.evidence, *known, *limited, late
-    return ",".join(map(repr, row))
+    touched = (link, off_flange) if link else (np.nan, np.nan)
+    row = stamp, *wrench.tolist(), *std.tolist(), estimator.evidence, *known, *limited
+    return ",".join(map(repr, (*row, *touched, late)))
 
 
 def in_words(seconds: float, answer: Answer, reason: str) -> str:

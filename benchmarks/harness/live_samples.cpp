@@ -1,5 +1,5 @@
 // Answers of live.hpp to samples: `live_samples arm.json` reads lines of time, q, qd, current from
-// standard input (qd: "none" where there is none), and prints wrench, std, limits, torques, states, contact, evidence.
+// standard input (qd: "none" where there is none), and prints wrench, std, limits, torques, states, contact, evidence, link.
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -43,7 +43,7 @@ int main(int, char** arguments) {
     for (const live::Vector& limit : {now.untouched, now.hidden, now.hidden_at_all})
       for (double value : limit) std::printf("%.17g ", value);
     for (int k = 0; k < n; ++k) std::printf("%.17g %d ", arm.torque[k], arm.state[k]);
-    std::printf("%d %.17g\n", now.contact, arm.evidence);
+    std::printf("%d %.17g %d %.17g\n", now.contact, arm.evidence, now.link, now.off_flange);
   }
   std::sort(took.begin(), took.end());
   std::fprintf(stderr, "%ld allocations, median %.3f us, 99th percentile %.3f us\nreason: %s\n", allocations,

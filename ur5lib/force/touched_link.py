@@ -46,7 +46,7 @@ class Samples(NamedTuple):
 
 class Touched(NamedTuple):
     """A contact anywhere on the arm: its wrench, its likeliest link, from 1, and the probability
-    that it is not on the last one.
+    that it is not on the last one; where that is LIKELY, the link is one before the last.
     """
 
     wrench: ContactWrench
@@ -157,8 +157,9 @@ def touched(samples: Samples, at_flange: ContactWrench, prior: ContactPrior) -> 
     seen = samples.torque[middle], there, samples.noise[middle]
     sizes = sizes_of(prior)
     probability = place_probabilities(*seen, sizes)
-    link = max(probability, key=lambda own: float(probability[own].sum()))
     elsewhere = off_flange(probability)
+    candidates = [own for own in probability if elsewhere < LIKELY or own < max(probability)]
+    link = max(candidates, key=lambda own: float(probability[own].sum()))
     if elsewhere < LIKELY:
         return Touched(at_flange, link, elsewhere)
     wrenches, weights = [at_flange], [1 - elsewhere]

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from tests.rubbing_arm import CONSTANT, FRICTION, HELD, OFFSET, friction, robot
+from ur5lib.force.contact_place import jacobian_at
 from ur5lib.records.measured import Measured
 from ur5lib.robots import newton_euler
 from ur5lib.robots.friction import friction_direction
@@ -26,7 +27,7 @@ def arm_file(noise: float = 0.3, **constants: float) -> dict[str, Any]:
         "format": FORMAT,
         "speed": [2.0] * 6,
         "noise": {"std": std, "absorbed": lost, "hidden": lost, "shift": 1e-4},
-        "threshold": {"log_odds": 3.0},
+        "threshold": {"log_odds": 3.0, "before_flange": 3.0},
         "constants": CONSTANTS | {"period": PERIOD, "doubt": 1.1, "quiet": [1.0]} | constants,
     }
 
@@ -49,11 +50,13 @@ def efforts_of(run: Measured, input: str) -> Array:
     return kinds[input]
 
 
-def samples(seconds: float, moving: bool, wrench: Any = None, noise: float = 0.1) -> Measured:
+def samples(
+    seconds: float, moving: bool, wrench: Any = None, noise: float = 0.1, link: int = 6
+) -> Measured:
     """Return what the controller states of a motion, or of a rest after a motion of 2 s.
 
-    wrench: a function from time (N,) to the wrench (N, 6) on the arm, None for none; noise: of the
-    motors' torque [Nm].
+    wrench: a function from time (N,) to the wrench (N, 6) on the arm, at the end of a link, None
+    for none; noise: of the motors' torque [Nm].
     """
     time = PERIOD * np.arange(round(seconds / PERIOD))
     # an even rate, or one that goes to zero within half a second
@@ -70,9 +73,9 @@ def samples(seconds: float, moving: bool, wrench: Any = None, noise: float = 0.1
     load = newton_euler.torque(arm, arm.fullest_model(), q, qd, qdd)
     if wrench is not None:
         estimator = Live(arm_file())
-        jacobians = np.array(
-            [estimator.sweep(*state).jacobian for state in zip(q, qd, strict=True)]
-        )
+        swept = estimator.sweep(q, qd)
+        jacobians = jacobian_at(swept.jacobian, swept.frames[:, link])
+        jacobians[..., link:] = 0.0
         load = load - (jacobians.mT @ wrench(time)[..., None])[..., 0]
     random, segment = np.random.default_rng(0), np.zeros(len(time), int)
     z = np.stack([friction_direction(one, segment) for one in q.T], axis=1)

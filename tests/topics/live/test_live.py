@@ -508,7 +508,7 @@ def written(values: Any) -> list[str]:
 
 
 def in_cpp(program: Path, arm: dict[str, Any], stream: list[Sample], folder: Path) -> Any:
-    """Return the header's answers (N, 21 + 2 n + 2) to a stream, and what it says of its step."""
+    """Return the header's answers (N, 21 + 2 n + 4) to a stream, and what it says of its step."""
     (folder / "arm.json").write_text(json.dumps(arm))
     lines = [
         " ".join(
@@ -540,6 +540,7 @@ def test_the_header_is_the_reference(program: Path, tmp_path: Path) -> None:
     arm["contacts"] |= {"place": [0.02, -0.03, 0.12], "lever": 0.05}
     arm["smallest_pushes"] = [{"motion": "slow", "value": None, "blind": 3}]  # no input
     runs = [samples(8.0, moving, push(5.0, 6.0, 20.0, 0.0, 5.0)) for moving in (False, True)]
+    runs.append(samples(8.0, True, push(4.0, 6.0, 0.0, 30.0, 40.0), link=3))
     for stream in (*map(stream_of, runs), *streams(3)):
         check_header(program, arm, stream, tmp_path)
 
@@ -594,15 +595,16 @@ def check_header(
     rows, states, words = [], [], []
     for sample in stream:
         answer = reference.step(*sample)
-        numbers = (own for own in answer if not isinstance(own, str))
-        rows.append([*np.concatenate([*numbers, reference.torque]), reference.evidence])
+        arrays = (own for own in answer if isinstance(own, np.ndarray))
+        located = reference.evidence, answer.link, answer.off_flange
+        rows.append([*np.concatenate([*arrays, reference.torque]), *located])
         states.append(reference.state)
         words.append(answer.contact)
     own = np.delete(found, [*range(22, 34, 2), 33], axis=1)
     np.testing.assert_allclose(own, rows, rtol=1e-9, atol=1e-9)
     np.testing.assert_array_equal(found[:, 22:33:2], states)
     names = (FREE, SUSPECTED, CONTACT, UNKNOWN)
-    assert [names[int(code)] for code in found[:, -2]] == words
+    assert [names[int(code)] for code in found[:, 33]] == words
     assert said.startswith("0 allocations")
     assert said.endswith(f"reason: {reference.reason}\n")
     return {*np.ravel(states).tolist()}, {*words}

@@ -1,5 +1,7 @@
 """The force of a recording as the live estimator states it, sample by sample."""
 
+import numpy as np
+
 from ur5lib.records.friction import Friction
 from ur5lib.records.measured import Measured
 from ur5lib.records.opened import Opened
@@ -56,4 +58,6 @@ def estimate_live(
         untouched=found.untouched,
         hidden=found.hidden,
         hidden_at_all=found.hidden_at_all,
+        link=np.where(found.link > 0, found.link, np.nan),
+        off_flange=np.where(found.link > 0, found.off_flange, np.nan),
     )

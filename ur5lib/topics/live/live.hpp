@@ -28,7 +28,7 @@
 
 namespace live {
 
-constexpr int MAX_JOINTS = 8, MAX_PARTS = 4, MAX_SIZES = 8;
+constexpr int MAX_JOINTS = 8, MAX_PARTS = 4, MAX_SIZES = 8, MAX_PLACES = 16;  // the last: on a link
 enum Contact { FREE, SUSPECTED, CONTACT, UNKNOWN };
 enum State { MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED };
 constexpr int STATE_COUNT = 6;
@@ -38,12 +38,14 @@ constexpr int KINDS = 3, LESS_GRAVITY = 2;  // of effort
 constexpr const char* KIND_NAMES[KINDS] = {"current", "torque", "torque_less_gravity"};
 constexpr const char* KIND_WORDS[KINDS] = {"currents [A]", "torques [Nm]", "torques less gravity [Nm]"};
 constexpr double FIRST_MOTION = 1.0, LONGEST_MOTION = 2.0, CLEAR = 0.5;
-enum Why { KNOWN, UNUSABLE, STARTED, FAST, BLIND, MISFIT };  // why nothing is known; from MISFIT on, by kind of effort
+// why nothing is known, or no wrench; from MISFIT on, by kind of effort
+enum Why { KNOWN, UNUSABLE, STARTED, FAST, BLIND, ELSEWHERE, MISFIT };
 constexpr const char* REASONS[MISFIT] = {
     "", "no usable sample came: all were lost, late, frozen, no numbers, or beyond what the arm can",
     "the run has just begun, so that friction may still settle",
     "a joint is faster than any that the study saw",
-    "in this pose, resting joints hardly feel a force along some axis"};
+    "in this pose, resting joints hardly feel a force along some axis",
+    "the arm is touched before its flange, so that no wrench at the flange is stated"};
 constexpr int DEEPEST = 16;  // of a file: brackets in brackets, and sizes of its numbers
 constexpr double LEAST = 1e-9, MOST = 1e9;
 constexpr const char* CONSTANTS[] = {
@@ -52,6 +54,9 @@ constexpr const char* CONSTANTS[] = {
     "turns", "encoder", "acceleration", "window", "confirmed", "stays", "large", "blind", "faster", "least_step",
     "period"};
 constexpr double NORMAL95 = 1.96, NORMAL99 = 2.576;  // so many standard deviations to either side have 95 %, 99 %
+constexpr double LOOK = 0.05, SPACING = 0.1, TOOL = 0.2, SURFACE = 0.05, LOST = 0.15, AT_FLANGE = 0.75, LIKELY = 0.5;
+constexpr int PLACE_SIZES = 2, LEAST_LOOKS = 4;
+constexpr double PLACE_SIZE[PLACE_SIZES] = {1.0, 3.0};  // of contacts, in typical forces
 constexpr int TERMS = 9, LOAD = 8;
 constexpr const char* TERM_NAMES[TERMS] = {
     "coulomb",      "viscous",     "velocity_root", "velocity_square", "periodic_sin",
@@ -66,6 +71,8 @@ struct Answer {
   Wrench wrench{}, std{};
   Contact contact = UNKNOWN;
   Vector untouched{}, hidden{}, hidden_at_all{};  // as in live.py [N]
+  int link = 0;                                   // of a contact in motion, the likeliest, from 1
+  double off_flange = 0;                          // and the probability that it is not the last one
 };
 
 // why efforts of a kind are refused where `own` is expected, and what to do
@@ -321,6 +328,7 @@ inline void check(const Numbers& arm) {
   for (const char* name : {"noise.shift", "contacts.lever", "contacts.typical"}) positive(name, {});
   for (const std::string name : CONSTANTS) positive("constants." + name, {});
   for (const char* name : {"threshold.log_odds", "constants.freeze", "constants.hysteresis"}) some(name, {});
+  if (arm.has("threshold.before_flange")) some("threshold.before_flange", {});
   arm.expect("constants.rare", {}, LEAST, 1 - LEAST);
   positive("constants.quiet", {1});
   positive("contacts.sizes", {sizes});
@@ -334,12 +342,13 @@ struct Sweep {
   Joints momentum{}, rate{}, gravity{};
   std::array<Wrench, MAX_JOINTS> jacobian{};  // of the place of contacts, a column for each joint
   Vector place{};                             // from the last frame's origin, base axes [m]
+  std::array<Vector, MAX_JOINTS + 2> frames{};  // origins of frames 0 to n, a tool's tip, from that place [m]
 };
 
 class Live {
  public:
   int n = 0;
-  double evidence = 0;
+  double evidence = 0, before_flange = 0;
   Joints observed{}, torque{};
   std::array<int, MAX_JOINTS> state{};
 
@@ -395,6 +404,8 @@ class Live {
       absorbed_[s] = arm.joints(std::string("noise.absorbed.") + STATES[s], n);
     }
     threshold_ = arm.at("threshold.log_odds"), shift_ = arm.at("noise.shift");
+    const std::string before = "threshold.before_flange";
+    threshold_before_ = arm.has(before) ? arm.at(before) : std::numeric_limits<double>::infinity();
     const auto constant = [&arm](const char* name) { return arm.at(std::string("constants.") + name); };
     period_ = constant("period"), max_gap_ = constant("max_gap"), turns_ = constant("turns");
     margin_ = constant("margin"), jump_ = constant("jump"), gain_ = constant("gain");
@@ -414,6 +425,17 @@ class Live {
     for (int i = 0; i < 3; ++i) place_[i] = arm.at("contacts.place." + std::to_string(i));
     count_ = arm.count("contacts.sizes");
     for (int s = 0; s < count_; ++s) sizes_[s] = arm.at("contacts.sizes." + std::to_string(s));
+    double total = 0;
+    for (int s = 0; s < PLACE_SIZES; ++s) {
+      place_size_[s] = PLACE_SIZE[s] * typical_;
+      total += 1 / (place_size_[s] * place_size_[s]);
+    }
+    for (int k = 0; k < n; ++k) {
+      const int parts = places(k);
+      const double share = k + 1 == n ? AT_FLANGE : (1 - AT_FLANGE) / std::max(1, n - 1);
+      for (int s = 0; s < PLACE_SIZES && parts > 0; ++s)  // p(size) falls as its square
+        likely_[k][s] = std::log(share / parts) - 2 * std::log(place_size_[s]) - std::log(total);
+    }
     restart();
   }
 
@@ -469,11 +491,15 @@ class Live {
       angular[k] = axes * (inertia_[k] * (transposed(axes) * turning)) + cross(center, linear[k]);
       weight[k] = mass_[k] * gravity_;
       pull[k] = cross(center, weight[k]);
+      result.frames[k] = origin;
       origin = origin + axes * tail_[k];
       pose = axes * turn_[k];
     }
     result.place = pose * place_;
     const Vector touched = origin + result.place;
+    result.frames[n] = origin;
+    result.frames[n + 1] = origin + TOOL * Vector{pose[0][2], pose[1][2], pose[2][2]};
+    for (int k = 0; k < n + 2; ++k) result.frames[k] = result.frames[k] + -1.0 * touched;
     for (int k = n - 1; k >= 0; --k) {
       if (k + 1 < n) {
         angular[k] = angular[k] + angular[k + 1];
@@ -495,6 +521,7 @@ class Live {
   }
 
  private:
+  using Densities = std::array<std::array<std::array<double, PLACE_SIZES>, MAX_PLACES>, MAX_JOINTS>;
   struct Posterior {
     std::array<double, MAX_SIZES> density{};
     std::array<Wrench, MAX_SIZES> mean{}, variance{};
@@ -518,19 +545,30 @@ class Live {
     anchor_ = pull_ = low_ = high_ = speed_ = Joints{};
     direction_ = {};
     state.fill(MOVING);
-    touched_ = at_rest_ = still_ = false;
+    touched_ = at_rest_ = still_ = touched_before_ = at_flange_ = false;
+    odds_ = before_flange = look_at_ = -std::numeric_limits<double>::infinity();
+    looks_ = 0;
+    seen_density_ = {};
     moved_at_ = -std::numeric_limits<double>::infinity();
     felt_at_ = std::numeric_limits<double>::infinity();
     missed_ = 0;
     nothing(UNUSABLE);
+    sure_wrench_ = answer_.wrench;
+    sure_std_ = answer_.std;
   }
 
   void nothing(int why) noexcept {
     answer_ = Answer{};
     why_ = why;
     largest_ = *std::max_element(sizes_.begin(), sizes_.begin() + count_);
-    for (int i = 0; i < 6; ++i) answer_.std[i] = (i < 3 ? 1.0 : lever_) * largest_;
+    answer_.std = unknown_std();
     limit(std::array<Wrench, MAX_JOINTS>{});
+  }
+
+  Wrench unknown_std() const noexcept {
+    Wrench std{};
+    for (int i = 0; i < 6; ++i) std[i] = (i < 3 ? 1.0 : lever_) * largest_;
+    return std;
   }
 
   bool possible(double time, const double* q, const double* qd) const noexcept {
@@ -685,7 +723,7 @@ class Live {
       rate_[k] = rate;
     }
     move();
-    judge(swept.jacobian, swept.place);
+    judge(swept);
     learn();
   }
 
@@ -761,7 +799,9 @@ class Live {
     }
   }
 
-  void judge(const std::array<Wrench, MAX_JOINTS>& jacobian, const Vector& place) noexcept {
+  void judge(const Sweep& swept) noexcept {
+    const std::array<Wrench, MAX_JOINTS>& jacobian = swept.jacobian;
+    const Vector& place = swept.place;
     Joints variance{}, wider{}, touching{}, carried{};
     bool doubtful = time_ - started_ < settle_, fast = false;
     for (int k = 0; k < n; ++k) {
@@ -774,10 +814,10 @@ class Live {
       touching[k] = variance[k] + lost * lost;
       carried[k] = torque[k] + absorbed_[state[k]][k] * std::tanh(torque[k] / breakaway_[k]);
     }
-    const double still = std::log(1 - rare_) + posterior(torque, jacobian, variance, &quiet_, 1).density[0];
-    const double wide = std::log(rare_) + posterior(torque, jacobian, wider, &quiet_, 1).density[0];
+    const double still = std::log(1 - rare_) + posterior(torque, jacobian, variance, &quiet_, 1, lever_).density[0];
+    const double wide = std::log(rare_) + posterior(torque, jacobian, wider, &quiet_, 1, lever_).density[0];
     const double free = std::max(still, wide) + std::log1p(std::exp(-std::abs(still - wide)));
-    const Posterior touch = posterior(carried, jacobian, touching, sizes_.data(), count_);
+    const Posterior touch = posterior(carried, jacobian, touching, sizes_.data(), count_, lever_);
     const double largest = *std::max_element(touch.density.begin(), touch.density.begin() + count_);
     double all = 0, total = 0;
     Wrench mean{}, square{};
@@ -812,10 +852,102 @@ class Live {
     contact(doubtful || fast, blind, large);
     why_ = answer_.contact != UNKNOWN ? KNOWN : fast ? FAST : doubtful ? STARTED : BLIND;
     if (answer_.contact != SUSPECTED || evidence > freeze_) {
-      answer_.wrench = wrench;
-      answer_.std = std;
+      sure_wrench_ = wrench;
+      sure_std_ = std;
     }
+    at_flange_ = answer_.contact == CONTACT;
+    locate(look(swept, touching, free, doubtful || fast));
+    const bool elsewhere = answer_.off_flange >= LIKELY;
+    if (elsewhere) why_ = ELSEWHERE;
+    answer_.wrench = elsewhere ? Wrench{} : sure_wrench_;
+    answer_.std = elsewhere ? unknown_std() : sure_std_;
     limit(jacobian);
+  }
+
+  // places on a link, from 0: middles of equal parts of the line between frames; on the last one, of a tool
+  int places(int link) const noexcept {
+    const double length = link + 1 == n ? TOOL : std::sqrt(dot(tail_[link], tail_[link]));
+    return static_cast<int>(std::min(std::ceil(length / SPACING - 1e-9), 1.0 * MAX_PLACES));
+  }
+
+  // whether a moving arm is touched before its flange, each LOOK s; returns whether it was looked at
+  bool look(const Sweep& swept, const Joints& variance, double free, bool doubtful) noexcept {
+    const double never = -std::numeric_limits<double>::infinity();
+    if (doubtful || state[0] == STILL || state[0] == SETTLING) {
+      odds_ = before_flange = never;
+      touched_before_ = false;
+      return false;
+    }
+    if (time_ < look_at_) return false;
+    Joints noise{};
+    for (int k = 0; k < n; ++k) noise[k] = variance[k] + LOST * torque[k] * (LOST * torque[k]);
+    double most = never, sum = 0, share = 0;
+    for (int link = 0; link < n; ++link) {
+      const int parts = places(link), first = link + 1 == n ? n : link;
+      for (int part = 0; part < parts; ++part) {
+        const double along = (part + 0.5) / parts;
+        const Vector point = (1 - along) * swept.frames[first] + along * swept.frames[first + 1];
+        std::array<Wrench, MAX_JOINTS> there{};
+        for (int k = 0; k <= link; ++k) {
+          const Wrench& own = swept.jacobian[k];
+          const Vector lift = cross({own[3], own[4], own[5]}, point);
+          there[k] = {own[0] + lift[0], own[1] + lift[1], own[2] + lift[2], own[3], own[4], own[5]};
+        }
+        const Posterior found = posterior(torque, there, noise, place_size_.data(), PLACE_SIZES, SURFACE, false);
+        for (int s = 0; s < PLACE_SIZES; ++s) {
+          density_[link][part][s] = found.density[s];
+          if (link + 1 == n) continue;
+          const double shown = found.density[s] + likely_[link][s];
+          sum = shown > most ? sum * std::exp(most - shown) + 1 : sum + std::exp(shown - most);
+          most = std::max(most, shown);
+          share += std::exp(likely_[link][s]);
+        }
+      }
+    }
+    const double odds = most + std::log(sum / share) - free, last = odds_;
+    look_at_ = time_ + LOOK;
+    odds_ = odds;
+    before_flange = std::min(odds, last);
+    const bool goes_on = touched_before_ && odds >= threshold_before_ - hysteresis_;
+    touched_before_ = before_flange >= threshold_before_ || goes_on;
+    return true;
+  }
+
+  // which link a contact touches, by the mean of what a few looks at it show
+  void locate(bool looked) noexcept {
+    answer_.link = 0;
+    answer_.off_flange = 0;
+    if (touched_before_) {
+      answer_.contact = CONTACT;
+      why_ = KNOWN;
+    }
+    if (answer_.contact != CONTACT) {
+      if (looks_ > 0) seen_density_ = {};
+      looks_ = 0;
+      return;
+    }
+    if (looked) {
+      ++looks_;
+      for (int k = 0; k < n; ++k)
+        for (int p = 0; p < places(k); ++p)
+          for (int s = 0; s < PLACE_SIZES; ++s) seen_density_[k][p][s] += density_[k][p][s];
+    }
+    if (looks_ < LEAST_LOOKS) return;
+    double most = -std::numeric_limits<double>::infinity(), all = 0;
+    Joints weight{};
+    for (int k = 0; k < n; ++k)
+      for (int p = 0; p < places(k); ++p)
+        for (int s = 0; s < PLACE_SIZES; ++s)
+          most = std::max(most, seen_density_[k][p][s] / looks_ + likely_[k][s]);
+    for (int k = 0; k < n; ++k) {
+      for (int p = 0; p < places(k); ++p)
+        for (int s = 0; s < PLACE_SIZES; ++s)
+          weight[k] += std::exp(seen_density_[k][p][s] / looks_ + likely_[k][s] - most);
+      all += weight[k];
+    }
+    answer_.off_flange = 1 - weight[n - 1] / all;
+    if (answer_.off_flange >= LIKELY) weight[n - 1] = 0;
+    answer_.link = 1 + static_cast<int>(std::max_element(weight.begin(), weight.begin() + n) - weight.begin());
   }
 
   // of a contact that is not stated: the band if nothing has touched, and what could be hidden
@@ -840,8 +972,8 @@ class Live {
     Posterior now, ever;  // of the typical force alone, and of a slow press
     if (still_) {
       const double sizes[] = {typical_, press_ * typical_};
-      now = posterior(since, jacobian, resting, sizes, 2);
-      ever = posterior(rest_, jacobian, resting, sizes + 1, 1);
+      now = posterior(since, jacobian, resting, sizes, 2, lever_);
+      ever = posterior(rest_, jacobian, resting, sizes + 1, 1, lever_);
     }
     for (int i = 0; i < 3; ++i) {
       const double missed = 1 / std::sqrt(1 / (typical_ * typical_) + seen[i]);
@@ -852,8 +984,9 @@ class Live {
     }
   }
 
-  Posterior posterior(const Joints& sensed, const std::array<Wrench, MAX_JOINTS>& jacobian,
-                      const Joints& variance, const double* sizes, int count) const noexcept {
+  // moments: whether the wrench is wanted, too, beside the density
+  Posterior posterior(const Joints& sensed, const std::array<Wrench, MAX_JOINTS>& jacobian, const Joints& variance,
+                      const double* sizes, int count, double lever, bool moments = true) const noexcept {
     Square told{};
     Wrench seen{};
     double alone = 0;
@@ -870,7 +1003,7 @@ class Live {
       Square factor = told;  // L of L Lᵀ = P⁻¹ + Λ
       double misfit = alone;
       for (int i = 0; i < 6; ++i) {
-        const double size = (i < 3 ? 1.0 : lever_) * sizes[s];
+        const double size = (i < 3 ? 1.0 : lever) * sizes[s];
         factor[i][i] += 1 / (size * size);
         misfit += 2 * std::log(size);
       }
@@ -883,6 +1016,15 @@ class Live {
           factor[i][j] /= factor[j][j];
         }
       }
+      Wrench whitened{};
+      for (int i = 0; i < 6; ++i) {
+        whitened[i] = seen[i];
+        for (int j = 0; j < i; ++j) whitened[i] -= factor[i][j] * whitened[j];
+        whitened[i] /= factor[i][i];
+        misfit -= whitened[i] * whitened[i];
+      }
+      result.density[s] = -misfit / 2;
+      if (!moments) continue;
       // the inverse of L; the covariance is its square
       Square inverse{};
       for (int j = 0; j < 6; ++j)
@@ -891,17 +1033,11 @@ class Live {
           for (int m = j; m < i; ++m) sum -= factor[i][m] * inverse[m][j];
           inverse[i][j] = sum / factor[i][i];
         }
-      Wrench whitened{};
       for (int i = 0; i < 6; ++i)
-        for (int j = 0; j <= i; ++j) whitened[i] += inverse[i][j] * seen[j];
-      for (int i = 0; i < 6; ++i) {
-        misfit -= whitened[i] * whitened[i];
         for (int m = i; m < 6; ++m) {
           result.mean[s][i] += inverse[m][i] * whitened[m];
           result.variance[s][i] += inverse[m][i] * inverse[m][i];
         }
-      }
-      result.density[s] = -misfit / 2;
     }
     return result;
   }
@@ -952,7 +1088,7 @@ class Live {
   }
 
   void learn() noexcept {
-    if (answer_.contact == CONTACT || evidence > freeze_) suspected_at_ = time_;
+    if (at_flange_ || evidence > freeze_) suspected_at_ = time_;
     if (time_ - suspected_at_ < thaw_) return;
     const double share = passed_ / slow_;
     for (int k = 0; k < n; ++k) {
@@ -983,7 +1119,9 @@ class Live {
   std::array<double, MAX_SIZES> sizes_{};
   Vector place_{};
   int parts_ = 0, count_ = 0;
-  double threshold_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
+  std::array<double, PLACE_SIZES> place_size_{};
+  std::array<std::array<double, PLACE_SIZES>, MAX_JOINTS> likely_{};
+  double threshold_, threshold_before_, period_, max_gap_, turns_, margin_, jump_, gain_, acceleration_, encoder_;
   double dead_zone_, rest_speed_, stop_, settle_, reversal_, wide_, doubt_, rare_, lever_, quiet_, typical_;
   double duration_, hysteresis_, freeze_, thaw_, slow_, shift_, window_, confirmed_, stays_;
   double large_, blind_, faster_, least_step_, moved_, slows_, stopping_, release_, hiding_, press_, largest_;
@@ -993,6 +1131,11 @@ class Live {
   Joints fast_at_{}, slow_at_{}, anchor_{}, pull_{}, low_{}, high_{}, speed_{}, last_q_{}, last_current_{};
   std::array<Joints, MAX_PARTS> direction_{};
   bool runs_ = false, touched_ = false, at_rest_ = false, still_ = false, seen_ = false;
+  bool touched_before_ = false, at_flange_ = false;
+  double odds_, look_at_;
+  int looks_ = 0;
+  Densities density_{}, seen_density_{};
+  Wrench sure_wrench_{}, sure_std_{};
   int missed_ = 0;
   Answer answer_;
 };

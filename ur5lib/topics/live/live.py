@@ -34,6 +34,12 @@ CONSTANTS += ["max_gap", "margin", "jump", "turns", "encoder", "acceleration", "
 CONSTANTS += ["confirmed", "stays", "large", "blind", "faster", "least_step", "period"]
 FREE, SUSPECTED, CONTACT, UNKNOWN = "free", "suspected", "contact", "unknown"
 NORMAL95, NORMAL99 = 1.96, 2.576  # so many standard deviations to either side have 95 %, 99 %
+LOOK, LEAST_LOOKS = 0.05, 4  # s between looks at which link is touched; so many show it
+# m between places on a link; of a tool beyond the flange; of a surface from the line of its link
+SPACING, TOOL, SURFACE, MOST_PLACES = 0.1, 0.2, 0.05, 16
+LOST = 0.15  # share of a contact's torque that a joint's gears lose or gain
+AT_FLANGE, LIKELY = 0.75, 0.5  # probabilities: before torques are seen, and from which on it is not
+PLACE_SIZES = 1.0, 3.0  # of contacts, in typical forces
 FIRST_MOTION, LONGEST_MOTION = 1.0, 2.0  # s of motion, after and of which efforts are judged
 CLEAR = 0.5  # of the mean loss of efforts
 KINDS = {  # of effort, in words
@@ -41,11 +47,12 @@ KINDS = {  # of effort, in words
     "torque": "torques [Nm]",
     "torque_less_gravity": "torques less gravity [Nm]",
 }
-UNUSABLE, STARTED, FAST, BLIND = (  # why nothing is known
+UNUSABLE, STARTED, FAST, BLIND, ELSEWHERE = (  # why nothing is known, or no wrench
     "no usable sample came: all were lost, late, frozen, no numbers, or beyond what the arm can",
     "the run has just begun, so that friction may still settle",
     "a joint is faster than any that the study saw",
     "in this pose, resting joints hardly feel a force along some axis",
+    "the arm is touched before its flange, so that no wrench at the flange is stated",
 )
 NEXT, LAST = np.array([1, 2, 0]), np.array([2, 0, 1])  # a × b = a[NEXT] b[LAST] - a[LAST] b[NEXT]
 
@@ -57,6 +64,10 @@ class Answer(NamedTuple):
     wrench: [F, n] (6,) [N, Nm], the environment acting on the arm, base axes, at the origin of the
     last frame; std: (6,); contact: "contact", "suspected", "free" or "unknown"; while the size of
     the force alone is suspect, wrench and std are those of the last sample without suspicion.
+
+    link: the likeliest link of a contact in motion, from 1, after a few looks at it; off_flange:
+    the probability that it is not the last one. Both are 0 until then. From LIKELY on, no wrench is
+    stated: it is zero, with the widest band.
 
     Without a contact, along the axes of the base (3,) [N]: untouched, half of the 95 % band of the
     force if nothing has touched the arm since it came to rest; hidden, up to which a contact since
@@ -70,6 +81,8 @@ class Answer(NamedTuple):
     untouched: Array
     hidden: Array
     hidden_at_all: Array
+    link: int
+    off_flange: float
 
 
 class Sweep(NamedTuple):
@@ -77,7 +90,8 @@ class Sweep(NamedTuple):
 
     momentum: p = M q̇ (..., n) [Nm s]; rate: Cᵀ q̇ - g (..., n) [Nm]; jacobian: (..., 6, n), of the
     place where contacts are assumed; place: (..., 3) [m], that place seen from the last frame's
-    origin, base axes; gravity: g (..., n) [Nm].
+    origin, base axes; gravity: g (..., n) [Nm]; frames: (..., n + 2, 3) [m], the origins of frames
+    0 to n and the tip of a tool, seen from that place.
     """
 
     momentum: Array
@@ -85,6 +99,7 @@ class Sweep(NamedTuple):
     jacobian: Array
     place: Array
     gravity: Array
+    frames: Array
 
 
 class Hidden(NamedTuple):
@@ -116,8 +131,10 @@ class Weights(NamedTuple):
 class Live:
     """The estimator of one arm of n joints.
 
-    After each step, evidence is log p(τ | contact) / p(τ | free); observed, torque: the external
-    torque (n,) [Nm], and the same less the slow errors of the run; state: (n,), of the joints.
+    After each step, evidence is log p(τ | contact at the flange) / p(τ | free); before_flange: the
+    same of a contact before it, as far as both of the last looks at a moving arm show one;
+    observed, torque: the external torque (n,) [Nm], and the same less the slow errors of the run;
+    state: (n,), of the joints.
     """
 
     def __init__(self, arm: Mapping[str, Any], input: str = "auto") -> None:
@@ -149,11 +166,18 @@ class Live:
             for name in ("std", "hidden", "absorbed")
         )
         self.threshold, contacts = float(arm["threshold"]["log_odds"]), arm["contacts"]
+        self.threshold_before = float(arm["threshold"].get("before_flange", np.inf))
         self.shift = float(arm["noise"]["shift"])
         self.set, self.place = {**arm["constants"], **contacts}, np.array(contacts["place"], float)
         axes = [1, 1, 1, *[self.set["lever"]] * 3]
         self.sizes, self.quiet = (np.outer(self.set[name], axes) for name in ("sizes", "quiet"))
         self.usual = np.outer([self.set["typical"]], axes)
+        some = self.set["typical"] * np.array(PLACE_SIZES)
+        self.surface = np.outer(some, [1, 1, 1, *[SURFACE] * 3])
+        self.spots, self.link_of, shares = spots(tails)
+        self.likely = np.log(shares)[:, None] - 2 * np.log(some)  # p(size) falls as its square
+        self.likely -= np.log(np.exp(self.likely).sum())
+        self.is_before = self.link_of < len(self.mass)
         self.last: tuple[Array, Array] | None = None  # positions and currents
         self.input = arm.get("input", "") if input == "auto" else input
         self.efforts = Efforts(self, arm) if "input" in arm else None
@@ -191,12 +215,15 @@ class Live:
         self.evidence, self.rested = 0.0, 0.0  # rested: seconds of the whole arm's rest
         self.touched, self.missed, self.state = False, 0, np.zeros(n, np.int64)
         self.moved_at, self.felt_at = -np.inf, np.inf
+        self.look_at, self.looks, self.seen = -np.inf, 0, 0.0 * self.likely
+        self.odds, self.before_flange, self.touched_before = -np.inf, -np.inf, False
         self.answer, self.reason = self.nothing(), UNUSABLE
+        self.sure = self.answer.wrench, self.answer.std
 
     def nothing(self) -> Answer:
         """Return the answer where nothing is known."""
         widest = self.sizes.max(axis=0)
-        return Answer(np.zeros(6), widest, UNKNOWN, *self.unlimited(widest))
+        return Answer(np.zeros(6), widest, UNKNOWN, *self.unlimited(widest), 0, 0.0)
 
     def start(self, time: float) -> None:
         """Begin a run at a time [s], as if all joints had just been fast, the evidence low, and a
@@ -230,7 +257,8 @@ class Live:
             self.efforts.step(now, values[0], rates, values[1])
         if self.refused:
             self.answer, self.reason = self.nothing(), self.refused
-        return Answer._make(own if isinstance(own, str) else own.copy() for own in self.answer)
+        parts = (own.copy() if isinstance(own, np.ndarray) else own for own in self.answer)
+        return Answer._make(parts)
 
     def _usable(self, time: float, q: Array, current: Array, qd: Array) -> bool:
         """Return whether a sample is new and possible; restart where the clock jumped."""
@@ -296,7 +324,7 @@ class Live:
         self.rested *= self.stopped
         ago = time - self.fast_at, time - self.slow_at
         self.state = self.states(*ago, self.rested, self.high - self.low)
-        self._judge(swept.jacobian, swept.place)
+        self._judge(swept)
         self._learn()
 
     def velocity(self, q: Array, first: bool) -> Array:
@@ -359,7 +387,10 @@ class Live:
         place = poses[..., n, :3, :3] @ self.place
         lift = arm + cross(axis, poses[..., n:, :3, 3] + place[..., None, :])
         jacobian = transposed(np.concatenate([lift, axis], axis=-1))
-        return Sweep(momentum, rate.sum(axis=-1) - gravity, jacobian, place, gravity)
+        tip = poses[..., n:, :3, 3] + TOOL * poses[..., n:, :3, 2]
+        frames = np.concatenate([poses[..., :3, 3], tip], axis=-2)
+        frames -= poses[..., n:, :3, 3] + place[..., None, :]
+        return Sweep(momentum, rate.sum(axis=-1) - gravity, jacobian, place, gravity, frames)
 
     def states(self, slow_for: Array, slow_ago: Array, rested: Any, reach: Array) -> Any:
         """Return the state (..., n) of each joint, as far as past samples show it; all in [s], but
@@ -372,16 +403,41 @@ class Live:
         waits = ((state == REVERSING) | (state == RESTING)) & (reach <= self.set["moved"])
         return np.where(waits, UNMOVED, state)
 
-    def _judge(self, jacobian: Array, place: Array) -> None:
-        """Set the answer: the wrench, its deviation, and whether there is a contact."""
+    def _judge(self, swept: Sweep) -> None:
+        """Set the answer: the wrench, its deviation, whether there is a contact, and where."""
         slow = self.drift + self.scale * self.friction
         self.torque = self.observed - np.where(self.state >= STILL, self.rest, slow)
-        weights = self.weights(self.state, self.qd, jacobian)
+        weights = self.weights(self.state, self.qd, swept.jacobian)
         evidence, touched, mean = self.judged(self.torque, self.state, weights)
-        wrench, std, blind = self.stated(touched, mean, weights, place)
+        wrench, std, blind = self.stated(touched, mean, weights, swept.place)
         self.evidence = float(evidence)
-        fast = bool(self.is_fast(self.qd))
+        fast, rests = bool(self.is_fast(self.qd)), bool((self.state == STILL).all())
         doubtful = self.run < self.set["settle"] or fast
+        self.at_flange = self._touches(doubtful, rests)
+        likely, large = self.evidence > self.set["freeze"], bool(self.is_large(wrench))
+        if self.at_flange:
+            word = CONTACT
+        elif doubtful or (rests and blind):
+            word = UNKNOWN
+        else:
+            word = SUSPECTED if likely or large else FREE
+        if word != SUSPECTED or likely:
+            self.sure = wrench, std
+        density = self._look(swept, weights, doubtful)
+        if self.touched_before:
+            word = CONTACT
+        link, off_flange = self._located(word == CONTACT, density)
+        wrench, std = self.sure if off_flange < LIKELY else (np.zeros(6), self.sizes.max(axis=0))
+        limits = self._limits(word, swept.jacobian, std)
+        self.answer = Answer(wrench, std, word, *limits, link, off_flange)
+        self.reason = ELSEWHERE if off_flange >= LIKELY else ""
+        if word == UNKNOWN:
+            self.reason = FAST if fast else STARTED if doubtful else BLIND
+
+    def _touches(self, doubtful: bool, rests: bool) -> bool:
+        """Return whether torques or encoders show a contact at the flange; rests: whether all
+        joints are still.
+        """
         if self.evidence < self.threshold:
             self.below_at = self.time
         if self.evidence >= self.threshold - self.set["hysteresis"]:
@@ -395,22 +451,84 @@ class Live:
         held = np.where(self.state == STILL, self.torque, 0.0)
         self.pull = self.pull + share * (held - self.pull)
         moved, pushed = self.shifts(self.q - self.anchor, self.pull)
-        rests = bool((self.state == STILL).all())
         felt = self.feels(self.time, rests, bool(moved), bool(pushed))
-        contact = self.touched or (felt and not doubtful)
-        likely, large = self.evidence > self.set["freeze"], bool(self.is_large(wrench))
-        if contact:
-            word = CONTACT
-        elif doubtful or (rests and blind):
-            word = UNKNOWN
-        else:
-            word = SUSPECTED if likely or large else FREE
-        if word == SUSPECTED and not likely:
-            wrench, std = self.answer.wrench, self.answer.std
-        self.answer = Answer(wrench, std, word, *self._limits(word, jacobian, std))
-        self.reason = ""
-        if word == UNKNOWN:
-            self.reason = FAST if fast else STARTED if doubtful else BLIND
+        return bool(self.touched or (felt and not doubtful))
+
+    def _look(self, swept: Sweep, weights: Weights, doubtful: bool) -> Array | None:
+        """Update whether a moving arm is touched before its flange, each LOOK s; return the
+        densities of the torque at all places then, None in between.
+        """
+        if doubtful or self.rests(self.state):
+            self.odds, self.before_flange, self.touched_before = -np.inf, -np.inf, False
+            return None
+        if self.time < self.look_at:
+            return None
+        density = self.at_places(self.torque, weights.variance, swept)
+        odds = float(self.odds_before(density, self.torque, weights))
+        self.look_at, self.odds, self.before_flange = self.time + LOOK, odds, min(odds, self.odds)
+        self.touched_before = self.stays(self.before_flange, odds, self.touched_before)
+        return density
+
+    def stays(self, both: float, last: float, before: bool) -> bool:
+        """Return whether a contact before the flange begins, by the lower log-odds of the last two
+        looks, or goes on, by those of the last one; before: whether there was one.
+        """
+        least = self.threshold_before - self.set["hysteresis"]
+        return both >= self.threshold_before or (before and last >= least)
+
+    def _located(self, contact: bool, density: Array | None) -> tuple[int, float]:
+        """Return the likeliest link of a contact in motion, from 1, and the probability that it is
+        not the last one, by the mean of what LEAST_LOOKS or more show; zeros without these.
+        """
+        if not contact:
+            self.looks, self.seen = 0, 0.0 * self.likely
+        elif density is not None:
+            self.looks, self.seen = self.looks + 1, self.seen + density
+        if self.looks < LEAST_LOOKS:
+            return 0, 0.0
+        link, off_flange = self.touched_link(self.seen / self.looks)
+        return int(link), float(off_flange)
+
+    def rests(self, state: Any) -> Any:
+        """Return whether the whole arm is at rest; state: (..., n) of joints."""
+        return (state[..., 0] == STILL) | (state[..., 0] == SETTLING)
+
+    def at_places(self, torque: Array, variance: Array, swept: Sweep) -> Array:
+        """Return log p(τ | place, size) (..., P, K), up to a constant, of a torque (..., n) [Nm]
+        with noise of a variance (..., n) [N²m²].
+        """
+        point = self.spots @ swept.frames  # (..., P, 3), from where `jacobian` is
+        column = transposed(swept.jacobian)[..., None, :, :]
+        turn = column[..., 3:] + 0.0 * point[..., None, :]
+        lift = column[..., :3] + cross(turn, point[..., None, :])
+        loads = self.joint < self.link_of[:, None]  # joints before the place
+        there = transposed(np.concatenate([lift, turn], axis=-1) * loads[..., None])
+        noise = variance + (LOST * torque) ** 2
+        hidden = hidden_by(noise[..., None, :], there, self.surface)
+        return self._by_size(torque[..., None, :], hidden, self.surface)[0]
+
+    def odds_before(self, density: Array, torque: Array, weights: Weights) -> Array:
+        """Return log p(τ | contact before the flange) / p(τ | free) (...); density: as of
+        `at_places`.
+        """
+        prior = self.likely[self.is_before]
+        shown = density[..., self.is_before, :] + prior
+        most = shown.max(axis=(-2, -1), initial=-np.inf)
+        share = np.exp(shown - most[..., None, None]).sum(axis=(-2, -1)) / np.exp(prior).sum()
+        return most + np.log(share) - self.free(torque, weights)
+
+    def touched_link(self, density: Array) -> tuple[Any, Array]:
+        """Return the likeliest link (...), from 1, and the probability (...) that it is not the
+        last one, which counts as a link before it from LIKELY on; density: as of `at_places`, mean
+        of a contact's samples.
+        """
+        shown = density + self.likely
+        weight = np.exp(shown - shown.max(axis=(-2, -1), keepdims=True)).sum(axis=-1)
+        links = np.arange(1, len(self.mass) + 1)
+        by_link = weight @ (self.link_of[:, None] == links)
+        off_flange = np.asarray(1 - by_link[..., -1] / by_link.sum(axis=-1))
+        by_link[..., -1] *= off_flange < LIKELY
+        return by_link.argmax(axis=-1) + 1, off_flange
 
     def _limits(self, word: str, jacobian: Array, std: Array) -> Any:
         """Return the limits (3,) [N] of an answer: untouched, hidden, hidden_at_all."""
@@ -508,14 +626,17 @@ class Live:
         """Return the evidence (...) of a contact; by size of the contact, the log-density of the
         torque (..., K), and the wrench (..., K, 6).
         """
-        both = self._by_size(torque[..., None, :], Hidden(*weights[:4]), self.quiet)[0]
-        free, wide = both[..., 0, 0], both[..., 1, 0]
-        free = np.logaddexp(np.log(1 - self.set["rare"]) + free, np.log(self.set["rare"]) + wide)
         carried = torque + self.absorbed[state, self.joint] * np.tanh(torque / self.breakaway)
         touched, mean = self._by_size(carried, Hidden(*weights[4:]), self.sizes)
         largest = touched.max(axis=-1)
-        evidence = largest + np.log(np.exp(touched - largest[..., None]).mean(axis=-1)) - free
-        return evidence, touched, mean
+        evidence = largest + np.log(np.exp(touched - largest[..., None]).mean(axis=-1))
+        return evidence - self.free(torque, weights), touched, mean
+
+    def free(self, torque: Array, weights: Weights) -> Array:
+        """Return log p(τ | free) (...), up to a constant."""
+        both = self._by_size(torque[..., None, :], Hidden(*weights[:4]), self.quiet)[0]
+        free, wide = both[..., 0, 0], both[..., 1, 0]
+        return np.logaddexp(np.log(1 - self.set["rare"]) + free, np.log(self.set["rare"]) + wide)
 
     def stated(
         self, touched: Array, mean: Array, weights: Weights, place: Array
@@ -555,7 +676,7 @@ class Live:
         """Adapt the run's friction and background to a sample, unless a contact is suspected or was
         until shortly before.
         """
-        if self.answer.contact == CONTACT or self.evidence > self.set["freeze"]:
+        if self.at_flange or self.evidence > self.set["freeze"]:
             self.suspected_at = self.time
         if self.time - self.suspected_at < self.set["thaw"]:
             return
@@ -680,6 +801,25 @@ def hidden_by(variance: Array, jacobian: Array, sizes: Array) -> Hidden:
     return Hidden(weighted, variance, covariance, np.log(np.linalg.det(information)))
 
 
+def spots(tails: Array) -> tuple[Array, Any, Array]:
+    """Return P places on an arm's links, as weights (P, n + 2) of the origins of frames 0 to n and
+    a tool's tip, their links (P,), from 1, and probabilities (P,) before torques are seen.
+
+    tails: (n, 3) [m], from each frame to the next. Places are middles of equal parts of the line
+    between frames, on the last link of that of a tool: parts of at most SPACING, or MOST_PLACES.
+    """
+    last, rows, links, shares = len(tails), [], [], []
+    for link, length in enumerate([*np.linalg.norm(tails[:-1], axis=1), TOOL], start=1):
+        count = int(min(np.ceil(length / SPACING - 1e-9), MOST_PLACES))
+        for part in (np.arange(count) + 0.5) / count:
+            first = link if link == last else link - 1
+            rows.append((1 - part) * np.eye(last + 2)[first] + part * np.eye(last + 2)[first + 1])
+            links.append(link)
+            own = AT_FLANGE if link == last else (1 - AT_FLANGE) / max(1, last - 1)
+            shares.append(own / count)
+    return np.array(rows), np.array(links), np.array(shares)
+
+
 def transposed(matrix: Array) -> Array:
     """Return the transpose of matrices (..., m, n); NumPy before 2.0 has no `mT`."""
     return matrix.swapaxes(-1, -2)
@@ -704,7 +844,7 @@ def read_arm(text: str) -> dict[str, Any]:
         rubs, sizes = arm["friction"], arm["contacts"]["sizes"]
         lengths = len(arm["links"]), len(rubs["presliding"]), len(sizes)
         terms = {*TERMS} & {"coulomb", "load", *rubs["terms"]}
-        check(arm, expected(*lengths, terms), "arm")
+        check(arm, expected(*lengths, terms, "before_flange" in arm["threshold"]), "arm")
     except (KeyError, TypeError) as error:
         refuse(str(error))
     lost = max(map(abs, rubs["terms"]["load"])) * sum(one["share"] for one in rubs["presliding"])
@@ -715,8 +855,10 @@ def read_arm(text: str) -> dict[str, Any]:
     return arm
 
 
-def expected(links: int, parts: int, sizes: int, terms: set[str]) -> dict[str, Any]:
-    """Return the range of each number that the estimator needs, in the place of the number."""
+def expected(links: int, parts: int, sizes: int, terms: set[str], looks: bool) -> dict[str, Any]:
+    """Return the range of each number that the estimator needs, in the place of the number; looks:
+    whether it states contacts before the flange.
+    """
     if not (0 < links <= 8 and 0 < parts <= 4 and 0 < sizes <= 8):
         refuse("links, presliding or sizes")
     some, part, positive = (-MOST, MOST), (0.0, MOST), (LEAST, MOST)
@@ -734,7 +876,7 @@ def expected(links: int, parts: int, sizes: int, terms: set[str]) -> dict[str, A
         "gravity": vector,
         "friction": {"terms": dict.fromkeys(terms, joints), "presliding": [dahl] * parts},
         "noise": noise | {"std": dict.fromkeys(STATES, above), "shift": positive},
-        "threshold": {"log_odds": some},
+        "threshold": {"log_odds": some} | ({"before_flange": some} if looks else {}),
         "constants": constants | {"rare": (LEAST, 1 - LEAST), "quiet": [positive]},
         "contacts": typical,
     }

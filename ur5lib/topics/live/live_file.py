@@ -77,7 +77,8 @@ CONSTANTS: dict[str, Any] = {  # docs/live.md lists the data for their choice
     "acceleration": 20.0,  # rad/s²; with `encoder` [rad], the noise of the filter of positions
     "encoder": 5e-5,
 }
-MIN_LOG_ODDS = 1.6  # least threshold of a contact
+MIN_LOG_ODDS = 1.6  # least threshold of a contact at the flange
+MIN_BEFORE_FLANGE = 2.0  # and of one before it
 # A joint at rest that moves more is touched: max(MIN_SHIFT, SHIFTS times a free arm's median).
 MIN_SHIFT, SHIFTS = 1.2e-4, 4.0  # rad, 1
 MIN_REST = 5.0  # s; least time at rest that determines this median
@@ -243,8 +244,9 @@ def learned(
     variance = np.concatenate([model.variance(model.spread, own.states) for own in stretches])
     quiet = quiet_force(np.concatenate(jacobians), variance)
     known["constants"] = CONSTANTS | {"period": period, "doubt": model.doubt, "quiet": [quiet]}
-    followed = [(follow({**arm, **known}, run), run.period) for arm, run in thinned]
-    return known | {"threshold": _threshold(followed, false_per_min)}
+    followed = [(follow({**arm, **known}, run, limited=True), run.period) for arm, run in thinned]
+    threshold = _threshold(followed, false_per_min) | {"before_flange": _before_flange(followed)}
+    return known | {"threshold": threshold}
 
 
 def unmoved_std(stretches: Sequence[TorqueStretch], breakaway: Array) -> Array:
@@ -318,3 +320,11 @@ def _threshold(followed: Sequence[tuple[Followed, float]], allowed: float) -> di
     above = np.nextafter(peaks[-most - 1], np.inf) if len(peaks) > most else MIN_LOG_ODDS
     remaining = min(len(peaks), most)
     return {"log_odds": float(above), "false_per_min": remaining / minutes, "minutes": minutes}
+
+
+def _before_flange(followed: Sequence[tuple[Followed, float]]) -> float:
+    """Return the log-odds of a contact before the flange that no run without contact exceeds but in
+    an alarm at the flange.
+    """
+    shown = np.concatenate([own.before_flange[~own.contact] for own, _ in followed])
+    return float(max(MIN_BEFORE_FLANGE, np.nextafter(shown.max(initial=-np.inf), np.inf)))

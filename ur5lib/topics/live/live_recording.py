@@ -15,7 +15,16 @@ import numpy as np
 from ur5lib.records.measured import Measured
 from ur5lib.timeseries.arrays import Array, Labels, Mask
 from ur5lib.timeseries.segments import Span, chunks, runs
-from ur5lib.topics.live.live import MOVING, NORMAL95, STILL, Live, Weights
+from ur5lib.topics.live.live import (
+    LEAST_LOOKS,
+    LIKELY,
+    LOOK,
+    MOVING,
+    NORMAL95,
+    STILL,
+    Live,
+    Weights,
+)
 
 CHUNK = 1024  # samples; quantities of measured samples are computed for this many at once
 BLOCK = 128  # samples; slow errors are learnt from this many at once
@@ -25,7 +34,9 @@ ABREAST = 64  # recordings that are followed side by side, for their memory
 class Followed(NamedTuple):
     """The answers to N samples: wrench, std (N, 6) [N, Nm]; evidence (N,), log-odds of a contact;
     contact (N,); known (N,), whether contact is decided; torque [Nm], shift [rad], state (N, n);
-    untouched, hidden, hidden_at_all (N, 3) [N], as of `Answer`, zero where they were not asked for.
+    untouched, hidden, hidden_at_all (N, 3) [N], link, off_flange (N,), as of `Answer`;
+    before_flange (N,), as of `Live`. The last six are zero where they were not asked for, and then
+    contacts before the flange are not looked for.
 
     Of R recordings side by side, (N, R, ...).
     """
@@ -41,6 +52,9 @@ class Followed(NamedTuple):
     untouched: Array
     hidden: Array
     hidden_at_all: Array
+    link: Labels
+    off_flange: Array
+    before_flange: Array
 
     def alarms(self) -> list[Span]:
         """Return (first, last) rows of each contact; last is exclusive."""
@@ -117,8 +131,9 @@ class Learnt(NamedTuple):
 
 def follow(arm: Mapping[str, Any], run: Measured, limited: bool = False) -> Followed:
     """Return the estimator's answers to a recording; arm: its file; limited: whether what a contact
-    could be is wanted, too. An unusable sample repeats the last answer; after more than `max_gap` s
-    of such samples, the answer is that of an estimator that has just started.
+    could be, and which link is touched, is wanted, too. An unusable sample repeats the last answer;
+    after more than `max_gap` s of such samples, the answer is that of an estimator that has just
+    started.
     """
     estimator = LiveRecording(arm)
     estimator.limited = limited
@@ -143,7 +158,9 @@ def alarms_of_each(arm: Mapping[str, Any], run: Measured, currents: Array) -> li
 
 
 class LiveRecording(Live):
-    """The estimator, given many samples at once; limited: whether to state untouched and hidden."""
+    """The estimator, given many samples at once; limited: whether to state untouched, hidden and
+    link.
+    """
 
     limited = False
 
@@ -153,6 +170,7 @@ class LiveRecording(Live):
         """
         starts = [0, *(np.flatnonzero(restarts) + 1).tolist(), len(rows)]
         self.restart()
+        self.rates: list[Array] = []
         parts = [self._nothing(currents.shape[1])]
         for first, last in pairwise(starts):
             self.restart()
@@ -160,6 +178,10 @@ class LiveRecording(Live):
                 some = rows[begin : min(begin + CHUNK, last)]
                 parts.append(self.chunk(run.at(some), currents[some]))
         answers = Followed._make(map(np.concatenate, zip(*parts, strict=True)))  # 0: a fresh start
+        if self.limited:
+            for first, last in pairwise(starts):
+                self._locate(answers, first, run.at(rows[first:last]))
+            self._withhold(answers)
         at = np.arange(len(run.time))
         latest = np.searchsorted(rows, at, side="right")
         missed = at - np.concatenate([[-1], rows])[latest]
@@ -168,10 +190,76 @@ class LiveRecording(Live):
 
     def _nothing(self, recordings: int) -> Followed:
         """Return the answers of an estimator that has just started, as one row."""
-        wrench, std, *limits = (own[None] for own in self.answer if not isinstance(own, str))
+        wrench, std, *limits = (own[None] for own in self.answer if isinstance(own, np.ndarray))
         no, joints = np.zeros(1, bool), np.zeros((1, len(self.mass)))
         parts = wrench, std, 0.0 * no, no, no, joints, joints, joints.astype(np.int8), *limits
+        parts += no.astype(np.int64), 0.0 * no, np.full(1, -np.inf if self.limited else 0.0)
         return Followed._make(np.repeat(own[:, None], recordings, axis=1) for own in parts)
+
+    def _locate(self, answers: Followed, first: int, run: Measured) -> None:
+        """Set contacts before the flange, and which link each contact touches.
+
+        answers: to a fresh start and all samples; run: samples without a restart, from `first` on.
+        """
+        span = slice(first, first + len(run.time))
+        qd = np.concatenate(self.rates)[span] if self.rates else run.q
+        doubtful = (run.time - run.time[:1] < self.set["settle"]) | self.is_fast(qd)
+        own = slice(span.start + 1, span.stop + 1)
+        for recording in range(answers.contact.shape[1]):
+            at = own, recording
+            state, torque = answers.state[at], answers.torque[at]
+            looked, density, odds, touched = self._looks(
+                run, qd, torque, state, ~doubtful & ~self.rests(state)
+            )
+            answers.before_flange[at] = odds
+            answers.contact[at] |= touched
+            answers.known[at] |= touched
+            for begin, end in runs(answers.contact[at]).tolist():
+                some = slice(*np.searchsorted(looked, [begin, end]))
+                shown = looked[some][LEAST_LOOKS - 1 :]
+                if not len(shown):
+                    continue
+                count = np.arange(1, some.stop - some.start + 1)[:, None, None]
+                mean = (np.cumsum(density[some], axis=0) / count)[LEAST_LOOKS - 1 :]
+                times = np.diff(shown, append=end)
+                for whole, new in zip(answers[-3:-1], self.touched_link(mean), strict=True):
+                    whole[at][shown[0] : end] = np.repeat(new, times)
+
+    def _withhold(self, answers: Followed) -> None:
+        """State no wrench where the flange is unlikely, and that nothing is hidden in contact."""
+        elsewhere = answers.off_flange >= LIKELY
+        answers.wrench[elsewhere], answers.std[elsewhere] = 0.0, self.sizes.max(axis=0)
+        answers.untouched[elsewhere] = NORMAL95 * answers.std[elsewhere][:, :3]
+        for limit in (answers.hidden, answers.hidden_at_all):
+            limit[answers.contact] = 0.0
+
+    def _looks(
+        self, run: Measured, qd: Array, torque: Array, state: Any, moves: Mask
+    ) -> tuple[Labels, Array, Array, Mask]:
+        """Return the samples (L,) at which a moving arm is looked at, densities at its places then
+        (L, P, K), and at each sample (N,) the log-odds of a contact before the flange and whether
+        there is one.
+        """
+        candidates, looked = np.flatnonzero(moves), list[int]()
+        times, k = run.time[candidates], 0
+        while k < len(times):
+            looked.append(int(candidates[k]))
+            k = int(np.searchsorted(times, times[k] + LOOK))
+        at, broken = np.array(looked, np.int64), np.cumsum(~moves)
+        swept = self.sweep(run.q[at], qd[at])
+        weights = self.weights(state[at], qd[at], swept.jacobian)
+        density = self.at_places(torque[at], weights.variance, swept)
+        odds = self.odds_before(density, torque[at], weights)
+        both, touched = np.full(len(moves), -np.inf), np.zeros(len(moves), bool)
+        last, was, then = -np.inf, False, -1
+        for row, until, now in zip(at, np.append(at, len(moves))[1:], odds.tolist(), strict=True):
+            if broken[row] != then:
+                last, was, then = -np.inf, False, broken[row]
+            lower = min(last, now)
+            last, was = now, self.stays(lower, now, was)
+            shown = np.flatnonzero(broken[row:until] == then) + row
+            both[shown], touched[shown] = lower, was
+        return at, density, both, touched
 
     def used(self, run: Measured) -> tuple[Labels, Mask]:
         """Return the usable rows (M,), and whether the run restarts after each of them (M - 1,)."""
@@ -251,12 +339,12 @@ class LiveRecording(Live):
             for own, since in ((~slow, self.fast_at), (slow, self.slow_at))
         )
         self.direction, self.observed, self.friction = direction[-1], observed[-1], friction[-1]
-        self.anchor, self.low, self.high = anchor[-1], low[-1], high[-1]
-        self.speed = speed[-1]
+        self.anchor, self.low, self.high, self.speed = anchor[-1], low[-1], high[-1], speed[-1]
         self.momentum, self.rate, self.fast_at, self.slow_at = (
             own[-1] for own in (swept.momentum, rate, fast_at, slow_at)
         )
         self.time, self.q, self.qd = run.time[-1], run.q[-1], qd[-1]
+        self.rates.append(qd)
         moved = time - fast_at, (time - fast_at >= self.set["stop"]).all(axis=1), time - slow_at
         reach, stops = high - low, self.stops(qd, speed)
         further = run.q - anchor, swept.jacobian, swept.place, observed, friction
@@ -329,6 +417,7 @@ class LiveRecording(Live):
         presses = np.stack([rest - settled, rest], axis=-2)[:-1]
         limits = self._limited(part, state, std, contact, known, presses)
         found = evidence, contact, known, torque, part.shift, state.astype(np.int8), *limits
+        found += np.zeros(contact.shape, np.int64), *np.zeros((2, *contact.shape))
         return count, Followed(wrench, std, *found), Learnt(*since)
 
     def _pull(self, part: Sensed, torque: Array, state: Any, before: Array) -> Array:

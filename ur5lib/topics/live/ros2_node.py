@@ -15,7 +15,7 @@ import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import AccelWithCovarianceStamped, WrenchStamped
-from live import UNKNOWN, Live, read_arm
+from live import LIKELY, UNKNOWN, Answer, Live, read_arm
 from rclpy.exceptions import ParameterException
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
@@ -73,7 +73,8 @@ class ContactForce(Node):
         reason = f"joint_states lacks {', '.join(lacks)}" if lacks else self.arm.reason
         if np.isnan(effort).all():
             reason = "joint_states states no effort"
-        self.tell(stamp, answer.contact, reason if answer.contact == UNKNOWN else "")
+        stated = answer.contact == UNKNOWN or answer.off_flange >= LIKELY
+        self.tell(stamp, answer, reason if stated else "")
 
     def publish(self, stamp: Any, wrench: list[float], std: Any) -> None:
         """Publish a wrench, alone and with its covariance, of which the diagonal is known."""
@@ -89,16 +90,18 @@ class ContactForce(Node):
         self.wrench.publish(alone)
         self.spread.publish(both)
 
-    def tell(self, stamp: Any, contact: str, reason: str) -> None:
-        """Publish the state of contact, and the reason where it is unknown."""
+    def tell(self, stamp: Any, answer: Answer, reason: str) -> None:
+        """Publish the state of contact, and the reason where it or the wrench is unknown."""
         odds = self.arm.evidence
         status = DiagnosticStatus(name=self.get_fully_qualified_name(), hardware_id=self.name)
-        faulty = contact == UNKNOWN or self.beside
+        faulty = answer.contact == UNKNOWN or self.beside
         status.level = DiagnosticStatus.WARN if faulty else DiagnosticStatus.OK
-        status.message = contact
+        status.message = answer.contact
         values = {
             "probability": repr(float(1 / (1 + np.exp(-np.clip(odds, -700, 700))))),
             "log_odds": repr(odds),
+            "link": repr(answer.link),
+            "off_flange": repr(answer.off_flange),
             "reason": reason,
             "beside": self.beside,
         }
@@ -126,7 +129,9 @@ class ContactForce(Node):
         silent = time.monotonic() - self.heard
         if silent > SILENCE:
             now = self.get_clock().now().to_msg()
-            self.tell(now, UNKNOWN, f"no joint_states of {self.name} came for {silent:.0f} s")
+            self.tell(
+                now, self.arm.nothing(), f"no joint_states of {self.name} came for {silent:.0f} s"
+            )
 
 
 def of_joints(values: Sequence[float], places: Sequence[int]) -> Any:

@@ -17,7 +17,8 @@ class LiveForces(SegmentedTable):
 
     wrench, std: as in `Forces`, (N, 6) [N, Nm]; evidence: (N,), log-odds of a contact; contact:
     (N,), whether a contact is stated; known: (N,), whether contact is decided; untouched, hidden,
-    hidden_at_all: (N, 3) [N], as of `Answer`.
+    hidden_at_all: (N, 3) [N], as of `Answer`; link, off_flange: (N,), as of it, NaN without a
+    contact in motion.
     """
 
     wrench: Array | None = channel("live", "N, Nm", WRENCH, optional=True)
@@ -28,6 +29,8 @@ class LiveForces(SegmentedTable):
     untouched: Array | None = channel("untouched", "N", AXES, optional=True)
     hidden: Array | None = channel("hidden", "N", AXES, optional=True)
     hidden_at_all: Array | None = channel("hidden_at_all", "N", AXES, optional=True)
+    link: Array | None = channel("link", "1", optional=True)
+    off_flange: Array | None = channel("off_flange", "1", optional=True)
 
 
 @dataclass(frozen=True, kw_only=True)
