@@ -60,6 +60,7 @@ PARTS = {
         "a table of docs/methods.md", "benchmarks.worth --constants --page", hours=True
     ),
     "world": Part("docs/world.md", "benchmarks.world --seeds 1 --page", hours=True),
+    "links": Part("a table of docs/world.md", "benchmarks.touched_links --page", hours=True),
     # these draw tables that those above have written
     "pictures": Part("docs/pictures, and what reports say", "benchmarks.pictures"),
     "notebook": Part("docs/notebook.ipynb", "tests.notebook ."),

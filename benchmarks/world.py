@@ -54,6 +54,7 @@ TOUCHED = 0.1  # a sample above this share of a contact's largest torque is in c
 MIN_TORQUE = 1e-6  # Nm; of any contact
 CURRENTS = 4, 2.0  # order and cut-off [Hz] of the torques' low-pass, as the default of a study
 TABLES = ("verdicts", "torque_constants")
+LINKS = "Contacts before the flange"  # the section by `benchmarks.touched_links`
 PAGE = Path("docs/world.md")
 HEAD = """# A world of situations
 
@@ -73,7 +74,7 @@ row: nearly all are below one.](pictures/world.svg)
   over that which would hold 95 %.
 - Found: contacts of all recordings; false: alarms without one; constants: determined ones whose
   interval contains the truth.
-- At the elbow, no force at the flange is right: contacts count as found, and no error is stated.
+- At the elbow and the forearm, contacts count as found, and no error is stated: the next table has it.
 
 """
 FILE, PLAN = "robot.csv", "plan.txt"
@@ -104,7 +105,8 @@ def main() -> None:
     found = table(pd.DataFrame(rows))
     print(found)
     if given.page:
-        beside = section(read_page(PAGE), stand_and_arms.TITLE)
+        page = read_page(PAGE)
+        beside = section(page, LINKS) + section(page, stand_and_arms.TITLE)
         head = HEAD.format(seeds=f"{given.seeds} seed{'s' * (given.seeds > 1)}")
         write_page(f"{head}{folded('world', found)}\n\n{beside}", PAGE)
 

@@ -27,6 +27,7 @@ PRINTED = {  # what each prints at least
     "wrist_sensor": ["1 seeds", "turn", "intervals hold the truth", "mass_by_currents"],
     "many_runs": ["planned", "whole study", "one more run to fit", "put in: Coulomb friction"],
     "world": ["| tool of 0 cm, known |"],
+    "touched_links": ["| elbow |"],
     "study": ["whole study, from raw files", "one more recording", "nothing to do"],
 }
 ELSEWHERE = {  # run by tests of their own, here and in tests/
