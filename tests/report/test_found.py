@@ -164,11 +164,11 @@ def test_three_steps_are_named_and_the_most_urgent_first() -> None:
 def test_spans_of_fits_that_seem_touched_are_asked_to_be_cut_off() -> None:
     """With what does it, and not among what is impossible."""
     about = {"robot": "ur5", "step": "contact forces", "code": CauseCode.HIDDEN_CONTACT}
-    told = "seems to be touched at 3.0 s: these spans are left out; cut them off by `from_s`"
+    told = "has an alarm at 3.0 s, counted as false: its span is left out; cut it off by `from_s`"
     results = study(remarks=[about | {"remark": f"“{name}” {told}"} for name in ("one", "other")])
     assert sentences(results)[0] == (
-        "If something touched the arm there, cut it off by `from_s` and `to_s`: “one” seems to be "
-        "touched at 3.0 s, like 1 more."
+        "If something touched the arm there, cut it off by `from_s` and `to_s`: “one” has an "
+        "alarm at 3.0 s, counted as false, like 1 more."
     )
     assert left_out(results) == []
 

@@ -182,5 +182,6 @@ def _doubts(study: StudyTables) -> Iterator[tuple[str, Reason, set[str]]]:
     """Yield (purpose, doubt, names of the recordings to which it applies), the graver
     doubts last.
     """
+    yield "fit", "no_motion", {one for one in study.roles() if not study.moving(one)}
     yield "fit", "felt", {*felt_while_fitted(study)}
     yield "links", "fitted", {*study.with_role("fit")}

@@ -152,10 +152,12 @@ def _times(contacts: Sequence[Span], time: Array) -> list[tuple[float, float]]:
 
 def _hidden(name: str, contacts: Sequence[tuple[float, float]]) -> Remark:
     at = as_written([start for start, _ in contacts], ".1f")
+    alarms = "an alarm" if len(contacts) == 1 else "alarms"
     text = (
-        f"“{name}” seems to be touched at {at} s: these spans are left out of the errors of a free "
-        "arm and of the threshold of alarms, but not of its friction; cut them off by `from_s` and "
-        "`to_s`, or give the recording the role contact"
+        f"“{name}” has {alarms} at {at} s, counted as false: these spans are left out of errors "
+        "of a free arm and of the threshold of alarms, but not of its friction; if something "
+        "touched the arm there, cut them off by `from_s` and `to_s`, or give the recording the "
+        "role contact"
     )
     return Remark(CauseCode.HIDDEN_CONTACT, text)
 
