@@ -74,7 +74,8 @@ row: nearly all are below one.](pictures/world.svg)
   over that which would hold 95 %.
 - Found: contacts of all recordings; false: alarms without one; constants: determined ones whose
   interval contains the truth.
-- At the elbow and the forearm, contacts count as found, and no error is stated: the next table has it.
+- At the elbow and the forearm, contacts count as found, and no error is stated: the next table
+  has it.
 
 """
 FILE, PLAN = "robot.csv", "plan.txt"
