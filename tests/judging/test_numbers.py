@@ -748,7 +748,8 @@ def test_a_recording_that_could_not_be_read_is_counted_and_graver_than_an_error(
         ([V1, absent], [stop], ("do not use", "stopped")),
         ([V1, absent], [], ("usable", "unread")),
     ):
-        first, *_ = judge_recordings(tables_of(entries, recordings=[entry], quality=found))
+        tables = {"quality": found, "acceleration_mae": [{"recording": "v1"}]}
+        first, *_ = judge_recordings(tables_of(entries, recordings=[entry], **tables))
         assert (first.state, first.reason) == expected
         if absent in entries:
             assert (first.recording, first.count, first.of) == ("gone", 1, 2)

@@ -26,9 +26,10 @@ from tests.made_study import (
 )
 from ur5lib.force.estimators import UNGATED
 from ur5lib.judging import limits
+from ur5lib.judging.advice import advice
 from ur5lib.judging.errors import Conditions, beaten, severest, state_of
 from ur5lib.records.codes import Found
-from ur5lib.records.verdicts import REASONS, Reason, State
+from ur5lib.records.verdicts import REASONS, Asks, Reason, State
 from ur5lib.report.results import Results
 from ur5lib.steps.judge_study import judged
 from ur5lib.study.model import Settings
@@ -196,15 +197,30 @@ def test_a_load_is_right_by_more_than_chance_and_if_it_is_known(
 
 def test_the_most_serious_finding_decides_and_the_largest_share_is_named() -> None:
     states = {"note": "good", "warning": "usable", "error": "usable", "stop": "do not use"}
+    serves: dict[str, Any] = {"acceleration_mae": [{"recording": "fitted"}]}
     for severity, expected in states.items():
         rows = [finding("note", Found.JITTER), finding(severity, Found.CONTRADICTION)]
-        assert state(study(quality=rows), "recordings")[0] == expected
+        assert state(study(quality=rows, **serves), "recordings")[0] == expected
     rows = [finding("warning", count=86), finding("warning", count=250, recording="fitted")]
+    every = [*rows, finding("warning", Found.JITTER), finding("note")]
     first, stops, warnings, notes, serving = verdicts_of(
-        study(quality=[*rows, finding("warning", Found.JITTER), finding("note")]), "recordings"
+        study(quality=every, **serves), "recordings"
     )
     assert (first.recording, first.count, first.of) == ("fitted", 250, 1000)
     assert (stops.count, warnings.count, notes.count, serving.of) == (0, 3, 1, 3)
+
+
+def test_recordings_of_which_none_serves_are_not_used_and_their_currents_are_asked_for() -> None:
+    rows = [
+        finding("warning", Found.NO_CURRENTS, recording=name)
+        for name in ("pushed", "fitted", "unseen")
+    ]
+    silent = study(quality=rows)
+    first, *_ = verdicts_of(silent, "recordings")
+    assert (first.state, first.reason) == ("do not use", "no_reference")
+    assert (first.quantity, first.count) == ("recordings without currents", 3)
+    assert [one.code for one in advice(silent)] == [Asks.NO_EFFORT]
+    assert Asks.NO_EFFORT not in [one.code for one in advice(study(quality=rows[:2]))]
 
 
 def test_a_finding_in_several_places_of_a_recording_is_one() -> None:

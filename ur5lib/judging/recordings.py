@@ -15,7 +15,10 @@ from ur5lib.records.verdicts import Reason, RecordingUse, State, Verdict
 
 QUESTION = "recordings"
 OF_FRAMES = (Found.LOST_FRAMES, Found.IMPOSSIBLE_FRAMES)  # findings that count frames
-IN_WORDS = {Found.TOUCHED: "contacts in a recording whose role denies them"}  # words of findings
+IN_WORDS = {  # quantities, for the words of findings
+    Found.TOUCHED: "contacts in a recording whose role denies them",
+    Found.MOVED_IN_BETWEEN: "recordings before which the arm was moved",
+}
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 STATES: dict[str, tuple[State, Reason]] = {
     "stop": ("do not use", "stopped"),
@@ -26,7 +29,7 @@ STATES: dict[str, tuple[State, Reason]] = {
 
 def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
     """Judge by the most serious finding, and count the findings, and the recordings that serve any
-    purpose; an excluded recording is more serious than an error.
+    purpose; an excluded recording is more serious than an error, and none that serves is the worst.
     """
     quality = study.tables["quality"]
     serious = {*quality["severity"]}
@@ -34,18 +37,25 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
     absent = study.unusable()
     if absent and state != "do not use":
         state, reason = "usable", "unread"
+    serving = _serving(study)
+    if not serving.count and state != "do not use":
+        state, reason = "do not use", "no_reference"
     about: Any = {"question": QUESTION, "state": state, "reason": reason}
     if absent:
         about |= {"count": len(absent), "of": len(study.roles())}
         yield Verdict(**about, quantity="recordings left out", sense="less", recording=absent[0])
     elif (row := worst_finding(study)) is not None:
         name, frames = str(row["recording"]), _frames(study)
+        quantity, count = IN_WORDS.get(row["code"], str(row["finding"])), int(row["count"])
+        if quantity.startswith("no "):
+            quantity = quantity.replace("no ", "recordings without ", 1)
+            count = quality.loc[quality["code"] == row["code"], "recording"].nunique()
         yield Verdict(
             **about,
-            quantity=IN_WORDS.get(row["code"], str(row["finding"])),
+            quantity=quantity,
             sense="less",
             recording=name,
-            count=int(row["count"]),
+            count=count,
             of=int(frames[name]) if row["code"] in OF_FRAMES else None,
         )
     else:
@@ -62,7 +72,7 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
                 sense="less",
                 count=int(counts.get(name, 0)),
             )
-    yield _serving(study)
+    yield serving
 
 
 def _serving(study: StudyTables) -> Verdict:

@@ -341,6 +341,7 @@ class Asks(StrEnum):
     PAYLOAD = "payload"
     EXPLAINED = "explained"
     CONTRADICTION = "contradiction"
+    NO_EFFORT = "no_effort"
     LOSSY = "lossy"
     DOUBTED = "doubted"
     UNKNOWN_LINKS = "unknown_links"

@@ -183,6 +183,15 @@ def _contradiction(asked: Asked) -> Step:
     return Step(sentence, asked.check())
 
 
+def _no_effort(asked: Asked) -> Step:
+    effort = asked.results.effort
+    sentence = (
+        f"Record the arm's {effort.quantity}s on {asked.recordings}, or name their columns: "
+        f"without them, no {effort.constant}, friction or force is known."
+    )
+    return Step(sentence, asked.check())
+
+
 def _lossy(asked: Asked) -> Step:
     sentence = (
         f"Record {asked.recordings} anew with a repaired logger: up to "
@@ -272,6 +281,7 @@ ASKED: dict[Asks, Callable[[Asked], Step]] = {
     Asks.PAYLOAD: _payload,
     Asks.EXPLAINED: _explained,
     Asks.CONTRADICTION: _contradiction,
+    Asks.NO_EFFORT: _no_effort,
     Asks.LOSSY: _lossy,
     Asks.DOUBTED: _doubted,
     Asks.UNKNOWN_LINKS: _unknown_links,
