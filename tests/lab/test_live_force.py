@@ -54,7 +54,8 @@ def check(table: pd.DataFrame, seconds: float) -> None:
     np.testing.assert_allclose(np.diff(table["time"]), PERIOD, rtol=0, atol=1e-9)
     assert table["late"].median() < PERIOD
     assert table["late"].quantile(0.95) < LATEST  # the machine itself may stop for longer
-    assert np.isfinite(table.to_numpy(float)).all()
+    touched = ["link", "off_flange"]  # of contacts alone
+    assert np.isfinite(table.drop(columns=touched).to_numpy(float)).all()
     elapsed = table["time"] - table["time"][0]  # unknown while friction may settle, for 1 s
     assert not table["known"][elapsed < 0.99].any()
     assert table["known"][elapsed > 1.01].all()
@@ -92,7 +93,7 @@ def test_no_controller_is_told(tmp_path: Path) -> None:
 
 def test_an_answer_is_a_line() -> None:
     limits = 2.0 * np.ones(3), np.array([3.0, 14.0, 5.0]), np.array([3.0, 14.0, 37.0])
-    answer = Answer(np.array([1.0, -20.0, 3.0, 0, 0, 0]), np.ones(6), UNKNOWN, *limits)
+    answer = Answer(np.array([1.0, -20.0, 3.0, 0, 0, 0]), np.ones(6), UNKNOWN, *limits, 0, 0.0)
     line = in_words(12.34, answer, "it rests")
     assert line.split()[:3] == ["12.3", "s", UNKNOWN]
     assert "y  -20.0 ±  2.0" in line

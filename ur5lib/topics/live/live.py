@@ -530,7 +530,7 @@ class Live:
         by_link[..., -1] *= off_flange < LIKELY
         return by_link.argmax(axis=-1) + 1, off_flange
 
-    def _limits(self, word: str, jacobian: Array, std: Array) -> Any:
+    def _limits(self, word: str, jacobian: Array, std: Array) -> tuple[Array, Array, Array]:
         """Return the limits (3,) [N] of an answer: untouched, hidden, hidden_at_all."""
         if word == UNKNOWN:
             return self.unlimited(std)
