@@ -161,13 +161,18 @@ def test_loads_that_agree_are_counted_where_the_currents_determine_one() -> None
         for name, (low, high) in ends.items()
     ]
     rows[1] |= {"taken": "yes", "mass": 0.5}
-    agreeing, widest, load = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
-    assert (agreeing.rank, widest.rank, load.rank) == (1, 2, 3)
+    rows[0] |= {"mass": -0.5}
+    agreeing, widest, load, other = verdicts_of(
+        replace(study(payload=rows), loads={"ur5": 2.0}), "load"
+    )
+    assert (agreeing.rank, widest.rank, load.rank, other.rank) == (1, 2, 3, 4)
+    assert (other.recording, other.value) == ("fitted", -0.5)
+    assert other.quantity == "load farthest from the declared one, by"
     assert (agreeing.count, agreeing.of, agreeing.reason) == (0, 2, "loaded")
     assert widest.value == pytest.approx(0.4)
     assert (load.recording, load.value) == ("seen", 0.5)
     rows[1] |= {"taken": "no", "low": -0.1}
-    agreeing, _ = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
+    agreeing, _, _ = verdicts_of(replace(study(payload=rows), loads={"ur5": 2.0}), "load")
     assert (agreeing.count, agreeing.state, agreeing.reason) == (1, "good", "")  # one is chance
 
 

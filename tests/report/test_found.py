@@ -168,7 +168,7 @@ def test_spans_of_fits_that_seem_touched_are_asked_to_be_cut_off() -> None:
     results = study(remarks=[about | {"remark": f"“{name}” {told}"} for name in ("one", "other")])
     assert sentences(results)[0] == (
         "If something touched the arm there, cut it off by `from_s` and `to_s`: “one” has an "
-        "alarm at 3.0 s, counted as false, like 1 more."
+        "alarm at 3.0 s, counted as false; 1 more has alarms, too."
     )
     assert left_out(results) == []
 

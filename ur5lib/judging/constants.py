@@ -239,7 +239,22 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
         value=float(rows["half"].max()),
         recording=str(rows.loc[rows["half"].idxmax(), "recording"]),
     )
-    yield from _undeclared(rows[rows["taken"] == "yes"], about)
+    taken = rows["taken"] == "yes"
+    yield from _undeclared(rows[taken], about)
+    other = rows[~agree & ~taken].dropna(subset="mass")
+    if len(other):
+        row = other.loc[other["mass"].abs().idxmax()]
+        yield Verdict(
+            **about,
+            rank=3 + int(taken.sum()),
+            quantity=f"load farthest from {meant}, by",
+            sense="change",
+            value=float(row["mass"]),
+            low=float(row["low"]),
+            high=float(row["high"]),
+            interval="95 %",
+            recording=str(row["recording"]),
+        )
 
 
 def _undeclared(rows: pd.DataFrame, about: Mapping[str, Any]) -> Iterator[Verdict]:

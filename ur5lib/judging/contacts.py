@@ -513,12 +513,17 @@ def _at_postures(study: StudyTables, robot: str, rank: int) -> Iterator[Verdict]
 def _at_posture(
     found: pd.DataFrame, tried: pd.DataFrame, largest: float, known: dict[str, Any]
 ) -> Verdict:
-    """Return the range of the push over directions at one posture."""
+    """Return the range of the push over directions at one posture; the easiest one is that whose
+    hardest direction needs the smallest push.
+    """
     row = found.iloc[0]
+    name = f"{row['posture']} posture"
+    if row["posture"] == "easiest":
+        name = "posture easiest in its hardest direction"
     return Verdict(
         **known,
         **_range(tried, largest),
-        quantity=f"trial push found with 95 %, {row['posture']} posture",
+        quantity=f"trial push found with 95 %, {name}",
         interval=f"range over {len(tried)} directions",
         recording="" if row["posture"] == YOURS else str(row["recording"]),
         motion=row["motion"],

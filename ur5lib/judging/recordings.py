@@ -49,6 +49,7 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
         quantity, count = IN_WORDS.get(row["code"], str(row["finding"])), int(row["count"])
         if quantity.startswith("no "):
             quantity = quantity.replace("no ", "recordings without ", 1)
+        if quantity.startswith("recordings "):
             count = quality.loc[quality["code"] == row["code"], "recording"].nunique()
         yield Verdict(
             **about,

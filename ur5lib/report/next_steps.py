@@ -148,7 +148,8 @@ def _felt(asked: Asked) -> Step:
 
 
 def _hidden(asked: Asked) -> Step:
-    others = f", like {asked.value or 0:.0f} more"
+    count = int(asked.value or 0)
+    others = f"; {count} more {'has' if count == 1 else 'have'} alarms, too"
     sentence = (
         f"If something touched the arm there, cut it off by `from_s` and `to_s`: "
         f"{claim(asked.detail)}{others * asked.several}."
