@@ -325,6 +325,22 @@ def torque_model(residuals: Residuals) -> ResidualModel:
     return residuals.tau_ext
 
 
+def test_contacts_that_hide_in_all_fits_are_found(ur5: Robot, friction: Friction) -> None:
+    """Although, together, they look like the noise of a free arm."""
+    runs, force = [], np.array([0.6, 0.0, 0.8])
+    for seed in (1, 2, 3):
+        run = free_run(ur5, seed, period=PERIOD)
+        pushes = sum(between(run.time, start, start + 2.0) for start in (3.0, 8.0, 13.0))
+        runs.append(run.pushed(run.wrench(60.0 * np.reshape(pushes, (-1, 1)) * force)))
+    found = residuals_of(ur5, friction, 3, *runs)
+    assert [*found.contacts] == ["0", "1", "2"]
+    free = residuals_of(
+        ur5, friction, 3, *(free_run(ur5, seed, period=PERIOD) for seed in (1, 2, 3))
+    )
+    assert not free.contacts
+    assert torque_model(found).spread == pytest.approx(torque_model(free).spread, rel=0.5)
+
+
 def test_a_contact_that_hides_in_a_fit_is_left_out(ur5: Robot, friction: Friction) -> None:
     """Of the residual model, and of the threshold, with its reason; free runs stay as they are."""
     runs = [free_run(ur5, seed, period=PERIOD) for seed in (1, 2, 3)]

@@ -12,6 +12,7 @@ from ur5lib.errors import RefusalError, Remark
 from ur5lib.force.external_torque import FITTED_STATE_COUNT, RELAXATION_TIME, JointState, States
 from ur5lib.records.codes import CauseCode
 from ur5lib.timeseries.arrays import Array
+from ur5lib.timeseries.metrics import STD_PER_MAD
 
 SHORT_LAG = 0.5  # s: half the duration of a push by hand
 LONG_LAG = 2.0  # s: twice its duration
@@ -158,23 +159,25 @@ class Residuals:
 
 
 def fit_residual_model(
-    stretches: Sequence[TorqueStretch], cutoff: float, breakaway: Array
+    stretches: Sequence[TorqueStretch], cutoff: float, breakaway: Array, by_medians: bool = False
 ) -> ResidualModel:
     """Return the residual model fitted by moments to contact-free parts of recordings.
 
     cutoff: [Hz], of the low-pass of the torques, which leaves one independent value per 1 / (2
-    cutoff); breakaway: (n,) [Nm]. The variogram E[(x(t + h) - x(t))²] / 2 at two lags separates
-    fast error and background. A state that no part contains has the largest deviations of the
-    others. Raises RefusalError if no part is as long as the longer lag, or a joint never moves.
+    cutoff); breakaway: (n,) [Nm]; by_medians: whether a mean square is at most that of a normal
+    error with the same median, which contacts in less than half of the time hardly change. The
+    variogram E[(x(t + h) - x(t))²] / 2 at two lags separates fast error and background. A state
+    that no part contains has the largest deviations of the others. Raises RefusalError if no part
+    is as long as the longer lag, or a joint never moves.
     """
     # E[x²], and the variogram at both lags
     short, long = (
         [_differences(stretch, lag) for stretch in stretches] for lag in (SHORT_LAG, LONG_LAG)
     )
-    joints = len(breakaway)
+    joints, moments = len(breakaway), _typical_moments if by_medians else _moments
     # (S, n) each
     mean_square, short_variogram, long_variogram = (
-        _moments(parts, joints) for parts in (stretches, short, long)
+        moments(parts, joints) for parts in (stretches, short, long)
     )
     if not np.isfinite(long_variogram).any():
         text = (
@@ -249,6 +252,18 @@ def _moments(stretches: Sequence[TorqueStretch], joints: int) -> Array:
             in_state = (states == state) & np.isfinite(torque)
             total[state] += period * (np.where(in_state, torque, 0.0) ** 2).sum(axis=0)
     return np.where(seconds > 0, total / np.maximum(seconds, 1e-9), np.nan)
+
+
+def _typical_moments(stretches: Sequence[TorqueStretch], joints: int) -> Array:
+    """Return `_moments`, but at most those of normal errors with the same medians."""
+    found = _moments(stretches, joints)
+    for state, joint in np.ndindex(*found.shape):
+        rows = [torque[states[:, joint] == state, joint] for torque, states, _ in stretches]
+        sizes = np.abs(np.concatenate(rows))
+        if np.isfinite(sizes).any():
+            typical = (STD_PER_MAD * np.nanmedian(sizes)) ** 2
+            found[state, joint] = min(found[state, joint], typical)
+    return found
 
 
 def _seconds(stretches: Sequence[TorqueStretch], joints: int) -> Array:
