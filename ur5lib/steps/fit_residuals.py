@@ -128,35 +128,43 @@ def without_contacts(
 ) -> Residuals:
     """Return the residual model fitted again without the contacts that it finds in its own
     recordings, until it finds no other; cutoff: of the torques [Hz].
+
+    Where errors have heavy tails, contacts are sought by medians, and taken if they explain these.
     """
     if found.tau_ext is None or found.tau_ext.usual:
         return found
-    model, contacts = found.tau_ext, dict[str, list[Span]]()
-    free = [one.input for one in runs.values()]
-    for _ in range(CONTACT_ROUNDS):
-        before, seeking = contacts, _seeking(model, free, friction, cutoff)
-        contacts = {name: hidden_contacts(one, seeking, prior) for name, one in runs.items()}
-        if contacts == before or not any(contacts.values()):
-            break
-        free = [without(one.input, contacts[name]) for name, one in runs.items()]
-        try:
-            model = _residual_model(free, friction, cutoff)
-        except RefusalError:  # too little is left without them
-            return found
+    about = found.tau_ext, runs, prior, friction, cutoff
+    try:
+        model, contacts, is_heavy = _without(*about, HEAVY_TAILS)
+        if is_heavy:  # as of wrong friction
+            model, contacts, _ = _without(*about, np.inf)
+    except RefusalError:  # too little is left without them
+        return found
     times = {name: _times(own, runs[name].kinematics.time) for name, own in contacts.items() if own}
     remarks = (*found.remarks, *starmap(_hidden, times.items()))
     return replace(found, tau_ext=model, remarks=remarks, contacts=times)
 
 
-def _seeking(
-    model: ResidualModel, runs: Sequence[ForceInput], friction: Friction, cutoff: float
-) -> ResidualModel:
-    """Return the model by which contacts are sought in the runs that `model` was fitted to: where
-    their errors have heavy tails, as contacts make them, by medians.
-    """
-    typical = _residual_model(runs, friction, cutoff, by_medians=True)
-    tails = (model.spread / typical.spread)[JointState.MOVING].mean()
-    return typical if tails > HEAVY_TAILS else model
+def _without(
+    model: ResidualModel,
+    runs: Mapping[str, Fitted],
+    prior: ContactPrior,
+    friction: Friction,
+    cutoff: float,
+    heavy: float,
+) -> tuple[ResidualModel, dict[str, list[Span]], bool]:
+    """Return the model without contacts, these, and whether tails stay heavier than `heavy`."""
+    contacts, free, is_heavy = dict[str, list[Span]](), [one.input for one in runs.values()], False
+    for _ in range(CONTACT_ROUNDS):
+        before, typical = contacts, _residual_model(free, friction, cutoff, by_medians=True)
+        is_heavy = bool((model.spread / typical.spread)[JointState.MOVING].mean() > heavy)
+        seeking = typical if is_heavy else model
+        contacts = {name: hidden_contacts(one, seeking, prior) for name, one in runs.items()}
+        if contacts == before or not any(contacts.values()):
+            break
+        free = [without(one.input, contacts[name]) for name, one in runs.items()]
+        model = _residual_model(free, friction, cutoff)
+    return model, contacts, is_heavy
 
 
 def _times(contacts: Sequence[Span], time: Array) -> list[tuple[float, float]]:
