@@ -165,7 +165,7 @@ def fit_residual_model(
 
     cutoff: [Hz], of the low-pass of the torques, which leaves one independent value per 1 / (2
     cutoff); breakaway: (n,) [Nm]; by_medians: whether a mean square is at most that of a normal
-    error with the same median, which contacts in less than half of the time hardly change. The
+    error with the same median, which contacts in less than half of the time change little. The
     variogram E[(x(t + h) - x(t))²] / 2 at two lags separates fast error and background. A state
     that no part contains has the largest deviations of the others. Raises RefusalError if no part
     is as long as the longer lag, or a joint never moves.

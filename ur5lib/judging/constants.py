@@ -1,6 +1,6 @@
 """Torque constants and gains: how many may be used, their uncertainty, and their deviation."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -239,35 +239,22 @@ def judge_load(study: StudyTables, robot: str) -> Iterator[Verdict]:
         value=float(rows["half"].max()),
         recording=str(rows.loc[rows["half"].idxmax(), "recording"]),
     )
-    taken = rows["taken"] == "yes"
-    yield from _undeclared(rows[taken], about)
-    other = rows[~agree & ~taken].dropna(subset="mass")
-    if len(other):
-        row = other.loc[other["mass"].abs().idxmax()]
-        yield Verdict(
-            **about,
-            rank=3 + int(taken.sum()),
-            quantity=f"load farthest from {meant}, by",
-            sense="change",
-            value=float(row["mass"]),
-            low=float(row["low"]),
-            high=float(row["high"]),
-            interval="95 %",
-            recording=str(row["recording"]),
-        )
+    for rank, shown in enumerate(_loads(rows, rows[~agree], meant), start=3):
+        yield Verdict(**about, rank=rank, **shown)
 
 
-def _undeclared(rows: pd.DataFrame, about: Mapping[str, Any]) -> Iterator[Verdict]:
-    """Yield the undeclared loads that are taken off."""
-    for rank, row in enumerate(rows.itertuples(), start=3):
-        yield Verdict(
-            **about,
-            rank=rank,
-            quantity=Found.UNDECLARED_LOAD.words,
-            sense="less",
-            value=float(row.mass),
-            low=float(row.low),
-            high=float(row.high),
-            interval="95 %",
-            recording=row.recording,
-        )
+def _loads(rows: pd.DataFrame, other: pd.DataFrame, meant: str) -> Iterator[dict[str, Any]]:
+    """Yield the undeclared loads that are taken off, and the largest of the others that differ, as
+    fields of verdicts.
+    """
+    for row in rows[rows["taken"] == "yes"].itertuples():
+        yield _mass(row) | {"quantity": Found.UNDECLARED_LOAD.words, "sense": "less"}
+    other = other[other["taken"] != "yes"].dropna(subset="mass")
+    for row in other.loc[other["mass"].abs().nlargest(1).index].itertuples():
+        yield _mass(row) | {"quantity": f"load farthest from {meant}, by", "sense": "change"}
+
+
+def _mass(row: Any) -> dict[str, Any]:
+    """Return a load [kg] with its interval; row: of payload.csv."""
+    about = {"value": float(row.mass), "low": float(row.low), "high": float(row.high)}
+    return about | {"interval": "95 %", "recording": row.recording}
