@@ -45,20 +45,7 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
         about |= {"count": len(absent), "of": len(study.roles())}
         yield Verdict(**about, quantity="recordings left out", sense="less", recording=absent[0])
     elif (row := worst_finding(study)) is not None:
-        name, frames = str(row["recording"]), _frames(study)
-        quantity, count = IN_WORDS.get(row["code"], str(row["finding"])), int(row["count"])
-        if quantity.startswith("no "):
-            quantity = quantity.replace("no ", "recordings without ", 1)
-        if quantity.startswith("recordings "):
-            count = quality.loc[quality["code"] == row["code"], "recording"].nunique()
-        yield Verdict(
-            **about,
-            quantity=quantity,
-            sense="less",
-            recording=name,
-            count=count,
-            of=int(frames[name]) if row["code"] in OF_FRAMES else None,
-        )
+        yield Verdict(**about, **_counted(study, row), sense="less", recording=row["recording"])
     else:
         yield Verdict(**about, quantity="errors and warnings", sense="less", count=0)
     kinds = quality.drop_duplicates(["recording", "device", "finding", "severity"])
@@ -74,6 +61,17 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
                 count=int(counts.get(name, 0)),
             )
     yield serving
+
+
+def _counted(study: StudyTables, row: "pd.Series[Any]") -> dict[str, Any]:
+    """Return quantity, count and whole of a finding, as fields of a verdict."""
+    quantity, count = IN_WORDS.get(row["code"], str(row["finding"])), int(row["count"])
+    if quantity.startswith("no "):
+        quantity = quantity.replace("no ", "recordings without ", 1)
+    if quantity.startswith("recordings "):
+        count = study.rows("quality", code=row["code"])["recording"].nunique()
+    of = int(_frames(study)[row["recording"]]) if row["code"] in OF_FRAMES else None
+    return {"quantity": quantity, "count": count, "of": of}
 
 
 def _serving(study: StudyTables) -> Verdict:
