@@ -18,6 +18,13 @@ OF_FRAMES = (Found.LOST_FRAMES, Found.IMPOSSIBLE_FRAMES)  # findings that count 
 IN_WORDS = {  # quantities, for the words of findings
     Found.TOUCHED: "contacts in a recording whose role denies them",
     Found.MOVED_IN_BETWEEN: "recordings before which the arm was moved",
+    Found.NO_CURRENTS: "recordings without currents",
+    Found.NO_GRAVITY: "recordings without gravity",
+    Found.NO_MOMENTS: "recordings without moments",
+    Found.NO_MOTION: "recordings without motion",
+    Found.NO_SENSOR: "recordings without a sensor",
+    Found.NO_START_STAMP: "recordings without a start stamp",
+    Found.NO_VELOCITIES: "recordings without velocities",
 }
 SEVERITIES = ("stop", "error", "warning", "note")  # most serious first; see docs/report.md
 STATES: dict[str, tuple[State, Reason]] = {
@@ -66,9 +73,7 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
 def _counted(study: StudyTables, row: "pd.Series[Any]") -> dict[str, Any]:
     """Return quantity, count and whole of a finding, as fields of a verdict."""
     quantity, count = IN_WORDS.get(row["code"], str(row["finding"])), int(row["count"])
-    if quantity.startswith("no "):
-        quantity = quantity.replace("no ", "recordings without ", 1)
-    if quantity.startswith("recordings "):
+    if row["code"] in IN_WORDS and quantity.startswith("recordings "):
         count = study.rows("quality", code=row["code"])["recording"].nunique()
     of = int(_frames(study)[row["recording"]]) if row["code"] in OF_FRAMES else None
     return {"quantity": quantity, "count": count, "of": of}
