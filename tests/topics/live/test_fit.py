@@ -13,11 +13,11 @@ from ur5lib.records.friction import CurrentFit, Friction, JointFit, LeftOut
 from ur5lib.topics.live.fit_live import fit_live
 
 
-def with_stribeck(joint: JointFit) -> JointFit:
-    """Return a joint with Stribeck friction of three speeds, which the live estimator lacks."""
+def with_coupled(joint: JointFit) -> JointFit:
+    """Return a joint that turns with the shaft of another one, which the live estimator lacks."""
     known, parts = joint.estimate, np.zeros(3)
     wider = replace(known, coefficients=np.append(known.coefficients, parts))
-    return replace(joint, terms=(*joint.terms, "velocity_stribeck"), estimate=wider)
+    return replace(joint, terms=(*joint.terms, "coupled"), estimate=wider)
 
 
 def learnt(known: Friction) -> str:
@@ -41,6 +41,6 @@ def test_a_term_of_the_fit_of_all_that_it_lacks_refuses_the_fit() -> None:
     """Although the fits without a path, which predict the recordings, do without it."""
     usual = friction(robot())
     without = [LeftOut(["one"], usual.fit)]
-    wider = CurrentFit(tuple(map(with_stribeck, usual.fit.joints)), 5)
-    assert "velocity_stribeck" in learnt(replace(usual, fit=wider, left_out=without))
+    wider = CurrentFit(tuple(map(with_coupled, usual.fit.joints)), 5)
+    assert "coupled" in learnt(replace(usual, fit=wider, left_out=without))
     assert learnt(replace(usual, left_out=without)) == ""

@@ -57,10 +57,11 @@ constexpr double NORMAL95 = 1.96, NORMAL99 = 2.576;  // so many standard deviati
 constexpr double LOOK = 0.05, SPACING = 0.1, TOOL = 0.2, SURFACE = 0.05, LOST = 0.15, AT_FLANGE = 0.75, LIKELY = 0.5;
 constexpr int PLACE_SIZES = 2, LEAST_LOOKS = 4;
 constexpr double PLACE_SIZE[PLACE_SIZES] = {1.0, 3.0};  // of contacts, in typical forces
-constexpr int TERMS = 9, LOAD = 8;
+constexpr int TERMS = 12, STRIBECK = 8, LOAD = 11;
 constexpr const char* TERM_NAMES[TERMS] = {
-    "coulomb",      "viscous",     "velocity_root", "velocity_square", "periodic_sin",
-    "periodic_cos", "balance_sin", "balance_cos",   "load"};
+    "coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos", "balance_sin",
+    "balance_cos", "velocity_stribeck_slow", "velocity_stribeck_middle", "velocity_stribeck_fast", "load"};
+constexpr double STRIBECK_SPEEDS[LOAD - STRIBECK] = {0.01, 0.05, 0.2};  // rad/s, as of the study
 using Joints = std::array<double, MAX_JOINTS>;
 using Vector = std::array<double, 3>;
 using Matrix = std::array<Vector, 3>;
@@ -390,6 +391,7 @@ class Live {
     for (int t = 0; t < TERMS; ++t) {
       const std::string place = std::string("friction.terms.") + TERM_NAMES[t];
       if (arm.has(place)) terms_[t] = arm.joints(place, n);
+      stribeck_ = stribeck_ || (STRIBECK <= t && t < LOAD && arm.has(place));
     }
     parts_ = arm.count("friction.presliding");
     for (int p = 0; p < parts_; ++p) {
@@ -754,10 +756,12 @@ class Live {
       z += share_[p] * direction[p][k];
       held += held_[p][k] * direction[p][k];
     }
-    const double columns[LOAD] = {z,    v,      std::sqrt(std::abs(v)) * sign(v), std::abs(v) * v,
-                                  sine, cosine, sine,                             cosine};
+    const double columns[STRIBECK] = {z,    v,      std::sqrt(std::abs(v)) * sign(v), std::abs(v) * v,
+                                      sine, cosine, sine,                             cosine};
     double own = held * (1 - std::abs(std::tanh(v / dead_zone_)));
-    for (int t = 0; t < LOAD; ++t) own += terms_[t][k] * columns[t];
+    for (int t = 0; t < STRIBECK; ++t) own += terms_[t][k] * columns[t];
+    for (int t = STRIBECK; t < LOAD && stribeck_; ++t)
+      own += terms_[t][k] * z * std::exp(-std::abs(v) / STRIBECK_SPEEDS[t - STRIBECK]);
     return {z, own};
   }
 
@@ -1113,6 +1117,7 @@ class Live {
   Efforts efforts_;
   Joints motor_{}, mass_{}, rotor_{}, constant_{}, offset_{}, breakaway_{}, fastest_{}, strongest_{};
   std::array<Joints, TERMS> terms_{};
+  bool stribeck_ = false;  // whether there are such terms, which cost three powers for each joint
   std::array<Joints, STATE_COUNT> noise_{}, hidden_{}, absorbed_{};
   std::array<double, MAX_PARTS> distance_{}, share_{};
   std::array<Joints, MAX_PARTS> held_{};

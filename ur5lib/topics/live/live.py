@@ -26,7 +26,9 @@ Array = NDArray[np.float64]
 STATES = ("moving", "reversing", "settling", "resting", "still", "unmoved")  # of a joint
 MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED = range(6)
 TERMS = ["coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos"]
-TERMS += ["balance_sin", "balance_cos", "load"]  # of friction
+TERMS += ["balance_sin", "balance_cos", "velocity_stribeck_slow", "velocity_stribeck_middle"]
+TERMS += ["velocity_stribeck_fast", "load"]  # of friction
+STRIBECK_SPEEDS = 0.01, 0.05, 0.2  # rad/s, as of the study
 FORMAT, DEEPEST, LEAST, MOST = "ur5lib live 5", 16, 1e-9, 1e9  # of a file: brackets, numbers
 CONSTANTS = ["gain", "wide", "doubt", "duration", "slows", "stopping", "release", "thaw", "slow"]
 CONSTANTS += ["settle", "stop", "reversal", "missed", "press", "rest_speed", "moved", "dead_zone"]
@@ -346,7 +348,8 @@ class Live:
         root, square = np.sqrt(np.abs(qd)) * np.sign(qd), np.abs(qd) * qd
         held = (self.held * direction).sum(axis=-2)
         friction = held * (1 - np.abs(np.tanh(qd / self.set["dead_zone"])))
-        columns = z, qd, root, square, sin, cos, sin, cos  # of TERMS, but for load
+        falls = (z * np.exp(-np.abs(qd) / speed) for speed in STRIBECK_SPEEDS)
+        columns = z, qd, root, square, sin, cos, sin, cos, *falls  # of TERMS, but for load
         for name, column in zip(TERMS, columns, strict=False):
             if name in self.terms:
                 friction = friction + self.terms[name] * column
