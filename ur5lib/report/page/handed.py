@@ -26,7 +26,8 @@ from ur5lib.report.page import closer
 from ur5lib.report.results import Results
 from ur5lib.report.summary import analysed_on
 from ur5lib.report.views import forces
-from ur5lib.workspace.places import PACKAGE
+from ur5lib.strict import read_yaml
+from ur5lib.workspace.places import CITATION, PACKAGE
 from ur5lib.workspace.topics import modules_of_topics
 
 SOURCES = Path(__file__).parent
@@ -162,6 +163,7 @@ def study_data(results: Results) -> dict[str, Any]:
             "minutes": float(results.tables["recordings"]["duration_s"].sum() / 60),
             "commit": results.commit,
             "version": __version__,
+            "address": read_yaml(CITATION).get("repository-code", ""),
             "versions": dict(results.versions),
             "recordings": recordings(results),
             "robots": results.robots(),

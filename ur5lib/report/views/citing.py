@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple
 
+from ur5lib.datasets.catalogue import catalogue
 from ur5lib.report.results import Results
 
 
@@ -57,3 +58,16 @@ CITED = (
 def cited(_: Results) -> list[dict[str, Any]]:
     """Return the references that the paragraphs on the methods cite."""
     return [reference._asdict() for reference in CITED]
+
+
+def published(results: Results) -> list[dict[str, Any]]:
+    """Return name and address of each published data set with files that the study read, how many
+    these are, and of how many files; they are compared by SHA-256.
+    """
+    read = {*results.rows("files")["sha256"]}
+    counts = {name: len(read & {*one.checksums.values()}) for name, one in catalogue().items()}
+    return [
+        {"name": name, "address": catalogue()[name].address, "count": count, "of": len(read)}
+        for name, count in counts.items()
+        if count
+    ]
