@@ -1,5 +1,6 @@
 """Studies of simulated arms, drawn by a seed: three recordings to fit on, and a pushed one."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -42,13 +43,18 @@ def planned(
 
 
 def fourier(
-    random: np.random.Generator, share: float, seconds: float = FIT_SECONDS
+    random: np.random.Generator,
+    share: float,
+    seconds: float = FIT_SECONDS,
+    about: Sequence[float] = POSTURE,
 ) -> dict[str, Any]:
-    """Return a drawn excitation about a drawn posture; share: used share of the limits."""
+    """Return a drawn excitation about a drawn posture; share: used share of the limits; about: as
+    of `posture`.
+    """
     return {
         "kind": "fourier",
         "draw": int(random.integers(10**6)),
-        "posture": posture(random),
+        "posture": posture(random, about),
         "period_s": seconds,
         "harmonics": 10,
         "limit_share": share,
@@ -66,13 +72,15 @@ def motion_of(seed: int) -> dict[str, Any]:
     return moves[int(random.integers(len(moves)))]
 
 
-def way_points(random: np.random.Generator, pause: float) -> dict[str, Any]:
-    """Return a motion along drawn way-points with pauses [s]."""
-    drawn = [posture(random) for _ in range(4)]
+def way_points(
+    random: np.random.Generator, pause: float, about: Sequence[float] = POSTURE
+) -> dict[str, Any]:
+    """Return a motion along drawn way-points with pauses [s]; about: as of `posture`."""
+    drawn = [posture(random, about) for _ in range(4)]
     return {"kind": "movej", "way_points": drawn, "pause_s": pause}
 
 
-def posture(random: np.random.Generator) -> list[float]:
-    """Return a drawn posture [rad], far from singularities."""
-    drawn: list[float] = (POSTURE + random.uniform(-SWAY, SWAY, 6)).tolist()
+def posture(random: np.random.Generator, about: Sequence[float] = POSTURE) -> list[float]:
+    """Return a drawn posture [rad], far from singularities, as the one that it is drawn about."""
+    drawn: list[float] = (about + random.uniform(-SWAY, SWAY, len(about))).tolist()
     return drawn

@@ -1,7 +1,9 @@
 """The situations of benchmarks/world.py, as differences from a usual study of the test stand."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,8 +11,9 @@ import numpy as np
 from benchmarks.harness import drawn_studies
 from benchmarks.harness.drawn_studies import posture, way_points
 from ur5lib.force.contact_prior import typical_force
-from ur5lib.robots.description import Robot
+from ur5lib.robots.description import PROJECT_FOLDER, Robot, robot_path
 from ur5lib.stand.drive import CURRENT_RIPPLE
+from ur5lib.stand.plan import POSTURE
 
 FIT_SECONDS, PATHS = 12.0, 3
 PAUSE = 1.0  # s, at each way-point
@@ -34,7 +37,9 @@ class Situation:
     pushes at once; press: duration of a slow press at rest in place of pushes [s]; untouched: span
     of its recording [s]; later: further keys of recordings that are not fitted; plan: keys of all
     recordings; constants: of the stand, by name; noise: added to currents [A]; step: quantisation
-    of currents [A].
+    of currents [A]; late: time by which a joint's current is [s]; compliance [rad/Nm], backlash
+    [rad]: between positions as measured and the links; beside: a second arm of the study; about:
+    posture that postures are drawn about [rad].
     """
 
     arm: str = "ur5e"
@@ -58,6 +63,16 @@ class Situation:
     constants: Mapping[str, Any] = field(default_factory=dict)
     noise: float = 0.0
     step: float = 0.0
+    late: float = 0.0
+    compliance: float = 0.0
+    backlash: float = 0.0
+    beside: str | None = None
+    about: tuple[float, ...] = POSTURE
+
+    @property
+    def arms(self) -> list[str]:
+        """The arms of the study."""
+        return [self.arm] + ([self.beside] if self.beside else [])
 
 
 def rubbing(factor: float) -> Plan:
@@ -70,6 +85,8 @@ def load(mass: float) -> Plan:
     return {"undeclared_payload": {"mass": mass, "center_of_mass": [0.02, 0.0, 0.06]}}
 
 
+SEVEN, SENSING = "seven-joints", "ur5e-torques"  # arms that only these studies have
+ABOUT = 0.3, 0.6, 0.2, -1.2, 0.2, 1.0, 0.3  # rad; elbow and wrist of the former are bent
 WARMING = 25.0, 40.0  # °C, in each recording
 FRICTION, DRIVE = "ur5lib.stand.friction", "ur5lib.stand.drive"
 SITUATIONS: dict[str, Situation] = {
@@ -114,7 +131,38 @@ SITUATIONS: dict[str, Situation] = {
     "two pushes at once": Situation(twice=True),
     "pushes hidden in all fits": Situation(hidden=3),
     "motors warm up by 15 °C": Situation(plan={"temperature_c": WARMING}),
+    "joints of 5 kNm/rad": Situation(compliance=2e-4),
+    "backlash of 1 mrad": Situation(backlash=1e-3),
+    "joint 3 is 40 ms late": Situation(late=0.04),
+    "seven joints": Situation(arm=SEVEN, about=ABOUT),
+    "joint torque sensors": Situation(arm=SENSING),
+    "a UR3e beside it": Situation(beside="ur3e"),
 }
+
+
+@contextmanager
+def described(arms: Collection[str]) -> Iterator[None]:
+    """Provide the descriptions of those arms that only these studies have, where a study finds
+    them: an arm of seven joints, and a UR5e that measures its joints' torques.
+    """
+    sensing = (
+        robot_path("ur5e").read_text(encoding="utf-8").replace("name: ur5e", f"name: {SENSING}")
+    )
+    texts = {
+        SEVEN: (Path(__file__).parent / f"{SEVEN}.yaml").read_text(encoding="utf-8"),
+        SENSING: f"{sensing}\neffort: joint_torque\n",
+    }
+    made = [PROJECT_FOLDER / f"{name}.yaml" for name in texts if name in arms]
+    PROJECT_FOLDER.mkdir(exist_ok=True)
+    try:
+        for file in made:
+            file.write_text(texts[file.stem], encoding="utf-8")
+        yield
+    finally:
+        for file in made:
+            file.unlink(missing_ok=True)
+        if not [*PROJECT_FOLDER.iterdir()]:
+            PROJECT_FOLDER.rmdir()
 
 
 def plans(own: Situation, seed: Sequence[int], arm: Robot) -> Iterator[tuple[str, str, Plan]]:
@@ -124,18 +172,18 @@ def plans(own: Situation, seed: Sequence[int], arm: Robot) -> Iterator[tuple[str
     for k in range(own.paths):
         stops = k >= own.paths - own.stops
         share = 0.5 if k % 2 == 0 else 0.2
-        motion = way_points(random, PAUSE) if stops else fourier(random, share, own.seconds)
+        motion = way_points(random, PAUSE, own.about) if stops else fourier(own, random, share)
         plan = {"trajectory": motion, "seconds": own.seconds, **own.plan}
         if k < own.hidden:
             plan |= {"contacts": [*pushes(own, random, force, HIDDEN)]}
         yield f"fit-{k + 1}", "fit", plan
     other = {**own.plan, **own.later}
-    free = {"trajectory": way_points(random, PAUSE), "seconds": FIT_SECONDS}
+    free = {"trajectory": way_points(random, PAUSE, own.about), "seconds": FIT_SECONDS}
     yield "free", "validate", free | other
     length = START + EVERY * MOVING
-    moving = {"trajectory": fourier(random, 0.5, length), "seconds": length}
+    moving = {"trajectory": fourier(own, random, 0.5, length), "seconds": length}
     yield "moving", "contact", moving | other | {"contacts": [*pushes(own, random, force, MOVING)]}
-    resting = {"trajectory": {"kind": "standstill", "posture": posture(random)}}
+    resting = {"trajectory": {"kind": "standstill", "posture": posture(random, own.about)}}
     contacts = [*pushes(own, random, force, RESTING)]
     length = START + EVERY * RESTING
     if own.press:
@@ -164,7 +212,9 @@ def push(
     return {"kind": "push", "force": force, "start_s": start, "seconds": seconds} | where
 
 
-def fourier(random: np.random.Generator, share: float, seconds: float) -> Plan:
-    """Return a drawn excitation; arguments as of `drawn_studies`."""
-    drawn = drawn_studies.fourier(random, share, min(seconds, MAX_PERIOD))
-    return drawn | {"harmonics": HARMONICS}
+def fourier(
+    own: Situation, random: np.random.Generator, share: float, seconds: float | None = None
+) -> Plan:
+    """Return a drawn excitation; seconds: its length, None: that of a fit."""
+    period = min(seconds or own.seconds, MAX_PERIOD)
+    return drawn_studies.fourier(random, share, period, own.about) | {"harmonics": HARMONICS}
