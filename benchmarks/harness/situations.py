@@ -14,6 +14,7 @@ from ur5lib.force.contact_prior import typical_force
 from ur5lib.robots.description import PROJECT_FOLDER, Robot, robot_path
 from ur5lib.stand.drive import CURRENT_RIPPLE
 from ur5lib.stand.plan import POSTURE
+from ur5lib.tables import write_text
 
 FIT_SECONDS, PATHS = 12.0, 3
 PAUSE = 1.0  # s, at each way-point
@@ -153,15 +154,14 @@ def described(arms: Collection[str]) -> Iterator[None]:
         SENSING: f"{sensing}\neffort: joint_torque\n",
     }
     made = [PROJECT_FOLDER / f"{name}.yaml" for name in texts if name in arms]
-    PROJECT_FOLDER.mkdir(exist_ok=True)
     try:
         for file in made:
-            file.write_text(texts[file.stem], encoding="utf-8")
+            write_text(texts[file.stem], file)
         yield
     finally:
         for file in made:
             file.unlink(missing_ok=True)
-        if not [*PROJECT_FOLDER.iterdir()]:
+        if made and not [*PROJECT_FOLDER.iterdir()]:
             PROJECT_FOLDER.rmdir()
 
 
