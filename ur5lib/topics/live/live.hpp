@@ -818,8 +818,9 @@ class Live {
       touching[k] = variance[k] + lost * lost;
       carried[k] = torque[k] + absorbed_[state[k]][k] * std::tanh(torque[k] / breakaway_[k]);
     }
-    const double still = std::log(1 - rare_) + posterior(torque, jacobian, variance, &quiet_, 1, lever_).density[0];
-    const double wide = std::log(rare_) + posterior(torque, jacobian, wider, &quiet_, 1, lever_).density[0];
+    const Posterior alone = posterior(torque, jacobian, variance, &quiet_, 1, lever_, false);
+    const Posterior apart = posterior(torque, jacobian, wider, &quiet_, 1, lever_, false);
+    const double still = std::log(1 - rare_) + alone.density[0], wide = std::log(rare_) + apart.density[0];
     const double free = std::max(still, wide) + std::log1p(std::exp(-std::abs(still - wide)));
     const Posterior touch = posterior(carried, jacobian, touching, sizes_.data(), count_, lever_);
     const double largest = *std::max_element(touch.density.begin(), touch.density.begin() + count_);
@@ -991,43 +992,46 @@ class Live {
   // moments: whether the wrench is wanted, too, beside the density
   Posterior posterior(const Joints& sensed, const std::array<Wrench, MAX_JOINTS>& jacobian, const Joints& variance,
                       const double* sizes, int count, double lever, bool moments = true) const noexcept {
-    Square told{};
+    Square told{};  // its lower triangle, as of all symmetric ones here
     Wrench seen{};
-    double alone = 0;
+    double alone = 0, spread = 1;
     for (int k = 0; k < n; ++k) {
-      alone += sensed[k] * sensed[k] / variance[k] + std::log(variance[k]);
+      alone += sensed[k] * sensed[k] / variance[k];
+      spread *= variance[k];
       for (int i = 0; i < 6; ++i) {
         const double weighted = jacobian[k][i] / variance[k];
         seen[i] += weighted * sensed[k];
-        for (int j = 0; j < 6; ++j) told[i][j] += weighted * jacobian[k][j];
+        for (int j = 0; j <= i; ++j) told[i][j] += weighted * jacobian[k][j];
       }
     }
+    alone += std::log(spread);
     Posterior result;
     for (int s = 0; s < count; ++s) {
       Square factor = told;  // L of L Lᵀ = P⁻¹ + Λ
-      double misfit = alone;
+      Wrench inverted{}, whitened{};  // 1 / L_jj, and L⁻¹ Jᵀ S⁻¹ τ
+      double misfit = alone, volume = 1;
       for (int i = 0; i < 6; ++i) {
         const double size = (i < 3 ? 1.0 : lever) * sizes[s];
         factor[i][i] += 1 / (size * size);
-        misfit += 2 * std::log(size);
+        volume *= size;
       }
       for (int j = 0; j < 6; ++j) {
         for (int m = 0; m < j; ++m) factor[j][j] -= factor[j][m] * factor[j][m];
         factor[j][j] = std::sqrt(factor[j][j]);
-        misfit += 2 * std::log(factor[j][j]);
+        inverted[j] = 1 / factor[j][j];
+        volume *= factor[j][j];
         for (int i = j + 1; i < 6; ++i) {
           for (int m = 0; m < j; ++m) factor[i][j] -= factor[i][m] * factor[j][m];
-          factor[i][j] /= factor[j][j];
+          factor[i][j] *= inverted[j];
         }
       }
-      Wrench whitened{};
       for (int i = 0; i < 6; ++i) {
         whitened[i] = seen[i];
         for (int j = 0; j < i; ++j) whitened[i] -= factor[i][j] * whitened[j];
-        whitened[i] /= factor[i][i];
+        whitened[i] *= inverted[i];
         misfit -= whitened[i] * whitened[i];
       }
-      result.density[s] = -misfit / 2;
+      result.density[s] = -(misfit + 2 * std::log(volume)) / 2;
       if (!moments) continue;
       // the inverse of L; the covariance is its square
       Square inverse{};
@@ -1035,7 +1039,7 @@ class Live {
         for (int i = j; i < 6; ++i) {
           double sum = i == j;
           for (int m = j; m < i; ++m) sum -= factor[i][m] * inverse[m][j];
-          inverse[i][j] = sum / factor[i][i];
+          inverse[i][j] = sum * inverted[i];
         }
       for (int i = 0; i < 6; ++i)
         for (int m = i; m < 6; ++m) {
