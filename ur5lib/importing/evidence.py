@@ -43,7 +43,7 @@ SOURCES: Mapping[str, Source] = {
 }
 WORDS = {  # by code; numbers of the row in braces
     "stated": "as stated",
-    "named": "named {name}",
+    "named": "its name is read as {name}",
     "unit in name": "its name has the unit {unit}",
     "share in name": "a share of a rating, or counts, by its name",
     "too large": "no current: it reaches {peak:.3g}, and none is above {bound:g} A",
