@@ -57,7 +57,9 @@ PARTS = {
         hours=True,
     ),
     "constants": Part(
-        "a table of docs/methods.md", "benchmarks.worth --constants --page", hours=True
+        "a table of docs/methods.md",
+        "benchmarks.worth thesis:ur5 ur10e:ur10e --constants --quick --page",
+        hours=True,
     ),
     "world": Part("docs/world.md", "benchmarks.world --seeds 1 --page", hours=True),
     "links": Part("a table of docs/world.md", "benchmarks.touched_links --page", hours=True),
