@@ -46,6 +46,7 @@ RULES = [
         f"the 95 % bands contain < {percent(limits.MIN_USABLE_COVERAGE)} of the readings, mean",
         ["undercovers"],
     ),
+    Rule("do not use", "recordings", "none serves a purpose", ["no_effort", "no_reference"]),
     Rule("do not use", "constants", "a joint has this reason", ["unlikely", "touched"]),
     Rule("not determined", f"{ERRORS}, force", "nothing to judge by", NOTHING),
     Rule(
@@ -58,7 +59,7 @@ RULES = [
     Rule(
         "not determined",
         "constants",
-        f"those of ≤ {percent(limits.MIN_USABLE_SHARE)} of the joints may be used",
+        "that of no joint may be used",
         OTHER_CONSTANTS,
     ),
     Rule("not determined", "drift", f"dates that repeat a path < {MIN_DATES}", ["few_dates"]),

@@ -70,7 +70,9 @@ def test_what_is_to_be_checked_names_the_second_candidate() -> None:
 def test_what_contradicts_is_said_first() -> None:
     verdict = decide([ROWS[0], WITHOUT_GRAVITY], [*CANDIDATES])
     assert verdict.confidence == "check"
-    assert verdict.reason(CANDIDATES).startswith("but its name is read as actual_current; less gravity")
+    assert verdict.reason(CANDIDATES).startswith(
+        "but its name is read as actual_current; less gravity"
+    )
 
 
 FACTORS = 40 * np.linspace(1, 3, 6)

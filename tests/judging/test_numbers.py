@@ -321,8 +321,8 @@ def test_links_are_judged_by_torques_above_a_tenth(size: float, role: str, reaso
 # Constants, friction
 
 
-@pytest.mark.parametrize(("usable", "state"), [(2, "not determined"), (3, "usable")])
-def test_constants_of_more_than_half_of_the_joints_are_usable(usable: int, state: str) -> None:
+@pytest.mark.parametrize(("usable", "state"), [(0, "not determined"), (1, "usable")])
+def test_constants_are_known_where_one_may_be_used(usable: int, state: str) -> None:
     constants = rows("friction", parameter="torque_constant")[:4]
     refused = {"use": "no", "reason": "prior_only", "determined": "no"}
     made = [row | (refused if k >= usable else {}) for k, row in enumerate(constants)]
@@ -766,6 +766,11 @@ def test_each_recording_has_its_purposes_or_one_row_that_says_none(told: Judged)
         assert dict(own)["contacts" if name.startswith("c") else "links"] == "yes"
     (row,) = uses(tables_of([V1], recordings=rows("recordings", recording="v1")))
     assert (row.purpose, row.use, row.reason) == ("all", "no", "no_reference")
+    silent = [
+        quality | {"code": Found.NO_CURRENTS, "recording": "v1"} for quality in rows("quality")[:1]
+    ]
+    (row,) = uses(tables_of([V1], recordings=rows("recordings", recording="v1"), quality=silent))
+    assert (row.purpose, row.use, row.reason) == ("all", "no", "no_effort")
 
 
 def test_a_fit_recording_with_more_alarms_than_the_others_explain_was_touched() -> None:

@@ -112,9 +112,9 @@ def test_constants_are_judged_by_how_many_may_be_used(
 ) -> None:
     rows = [constant(1, 10.0), constant(2, 11.0, **second), constant(3, 10.0)]
     assert state(study(friction=rows), "constants") == expected
-    if second in (UNKNOWN, REFUSED):  # of three, one is not the most
-        few = study(friction=[*rows[:2], constant(3, 10.0, **UNKNOWN)])
-        assert state(few, "constants")[0] == "not determined"
+    if second in (UNKNOWN, REFUSED):
+        none = [constant(joint, 10.0, **second) for joint in (1, 2, 3)]
+        assert state(study(friction=none), "constants")[0] == "not determined"
 
 
 def test_the_widest_and_the_farthest_constant_are_of_those_that_the_recordings_determine() -> None:
@@ -222,7 +222,7 @@ def test_recordings_of_which_none_serves_are_not_used_and_their_currents_are_ask
     ]
     silent = study(quality=rows)
     first, *_ = verdicts_of(silent, "recordings")
-    assert (first.state, first.reason) == ("do not use", "no_reference")
+    assert (first.state, first.reason) == ("do not use", "no_effort")
     assert (first.quantity, first.count) == ("recordings without currents", 3)
     assert [one.code for one in advice(silent)] == [Asks.NO_EFFORT]
     assert Asks.NO_EFFORT not in [one.code for one in advice(study(quality=rows[:2]))]

@@ -6,7 +6,7 @@ from typing import Any, Literal
 from ur5lib.judging.limits import HIGH_LOST_SHARE
 from ur5lib.judging.recordings import felt_while_fitted, lost_shares
 from ur5lib.judging.study import AT_REST, StudyTables
-from ur5lib.records.codes import CauseCode, Found
+from ur5lib.records.codes import CauseCode
 from ur5lib.records.quality import STOP
 from ur5lib.records.verdicts import Advice, Asks
 
@@ -28,8 +28,7 @@ def advice(study: StudyTables) -> Iterator[Advice]:
     """Yield what to do next, the most urgent first."""
     yield from corrections(study)
     yield from faulty_files(study)
-    silent = {*study.rows("quality", code=Found.NO_CURRENTS)["recording"]}
-    if silent < {*study.roles()}:
+    if study.silent() < {*study.roles()}:
         yield from missing_recordings(study)
     else:
         yield from _of_recordings(Asks.NO_EFFORT, [*study.roles()])

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from scipy.special import bdtr
 
-from ur5lib.judging.limits import BELIEVED, MAX_LOAD_ERROR, MIN_USABLE_SHARE
+from ur5lib.judging.limits import BELIEVED, MAX_LOAD_ERROR
 from ur5lib.judging.study import StudyTables
 from ur5lib.records.codes import Found
 from ur5lib.records.quality import STOP
@@ -23,7 +23,7 @@ def constants(study: StudyTables) -> pd.DataFrame:
 
 
 def judge_constants(study: StudyTables, robot: str) -> Iterator[Verdict]:
-    """Judge the constants by the share that may be used; yield nothing without fitted friction."""
+    """Judge the constants by how many may be used; yield nothing without fitted friction."""
     rows = constants(study)
     if len(study.rows("remarks", step=STOP)):
         yield Verdict(question=QUESTION, arm=robot, state="do not use", reason="stopped")
@@ -38,7 +38,7 @@ def _counted(rows: pd.DataFrame, robot: str) -> Iterator[Verdict]:
     """Yield the number of joints with a usable constant, and the gravest reason against others."""
     use = rows["use"] == "yes"
     reason, row = _gravest(rows)
-    state: State = "usable" if use.mean() > MIN_USABLE_SHARE else "not determined"
+    state: State = "usable" if use.any() else "not determined"
     if rows["reason"].isin(["unlikely", "touched"]).any():
         state = "do not use"
     elif not reason:

@@ -15,7 +15,6 @@ MIN_LINK_TORQUE = 0.1  # Nm; link models are judged at joints with a larger mean
 MIN_PUSH = 1.0  # N; an axis counts as pushed above this mean force
 MAX_BLIND_SHARE = 0.5  # a useful band contains zero for at most this share of the time in contact
 MAX_HALF_INTERVAL = 0.5  # a number known within this share of it or worse is doubtful
-MIN_USABLE_SHARE = 0.5  # constants are usable if those of more than this share of joints are
 MAX_CHANCE_OF_ALARMS = 0.05  # a recording with a less probable number of alarms was touched
 USUAL_ALARMS, USUAL_SECONDS = 0.02, 60.0  # prior: false alarms in this time
 MAX_GOOD_PEAK_ERROR = 0.25  # share of a contact's peak by which its estimate may be too small

@@ -46,7 +46,8 @@ def judge_recordings(study: StudyTables) -> Iterator[Verdict]:
         state, reason = "usable", "unread"
     serving = _serving(study)
     if not serving.count and state != "do not use":
-        state, reason = "do not use", "no_reference"
+        state = "do not use"
+        reason = "no_reference" if study.silent() < {*study.roles()} else "no_effort"
     about: Any = {"question": QUESTION, "state": state, "reason": reason}
     if absent:
         about |= {"count": len(absent), "of": len(study.roles())}
@@ -157,7 +158,8 @@ def uses(study: StudyTables) -> Iterator[RecordingUse]:
         for purpose, reason in against.items():
             yield RecordingUse(recording=name, purpose=purpose, use="no", reason=reason)
         if not goals and not against:
-            yield RecordingUse(recording=name, purpose="all", use="no", reason="no_reference")
+            reason = "no_effort" if name in study.silent() else "no_reference"
+            yield RecordingUse(recording=name, purpose="all", use="no", reason=reason)
 
 
 def _served(study: StudyTables) -> Iterator[tuple[str, set[str]]]:

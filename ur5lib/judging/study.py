@@ -111,6 +111,10 @@ class StudyTables:
         """Return the recordings on which the currents prove an undeclared load."""
         return [*self.rows("payload", taken="yes")["recording"]]
 
+    def silent(self) -> set[str]:
+        """Return the recordings without the arm's effort."""
+        return {*self.rows("quality", code=Found.NO_CURRENTS)["recording"]}
+
     def touched(self) -> list[str]:
         """Return the recordings of fit and validate on which a force sensor reads contacts."""
         return [*self.rows("quality", code=Found.TOUCHED)["recording"].unique()]
