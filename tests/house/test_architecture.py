@@ -49,7 +49,9 @@ ARROWS = {  # what each part of ur5lib may import, besides itself
     "records": BASE,
     "stand": BASE | {"records"},
     "judging": BASE | {"force", "records"},
-    "report": BASE | METHODS - {"signals", "dynamics"} | {"judging", "records", "workspace"},
+    "report": BASE
+    | METHODS - {"signals", "dynamics"}
+    | {"datasets", "judging", "records", "workspace"},
     # steps join the rooms; jobs know them by their names alone
     "steps": BASE | ROOMS - {"excitation"} | {"judging", "stand", "records", "report", "workspace"},
     "jobs": {"errors", "records", "report", "robots", "strict", "tables", "workspace"},
