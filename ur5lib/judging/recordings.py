@@ -147,6 +147,7 @@ def uses(study: StudyTables) -> Iterator[RecordingUse]:
     A recording without any purpose has one row.
     """
     served, refused, doubted = dict(_served(study)), [*_refused(study)], [*_doubts(study)]
+    silent = study.silent()
     for name in study.roles():
         against = {purpose: reason for purpose, reason, names in refused if name in names}
         doubts = {purpose: reason for purpose, reason, names in doubted if name in names}
@@ -158,7 +159,7 @@ def uses(study: StudyTables) -> Iterator[RecordingUse]:
         for purpose, reason in against.items():
             yield RecordingUse(recording=name, purpose=purpose, use="no", reason=reason)
         if not goals and not against:
-            reason = "no_effort" if name in study.silent() else "no_reference"
+            reason = "no_effort" if name in silent else "no_reference"
             yield RecordingUse(recording=name, purpose="all", use="no", reason=reason)
 
 

@@ -994,17 +994,15 @@ class Live {
                       const double* sizes, int count, double lever, bool moments = true) const noexcept {
     Square told{};  // its lower triangle, as of all symmetric ones here
     Wrench seen{};
-    double alone = 0, spread = 1;
+    double alone = 0;
     for (int k = 0; k < n; ++k) {
-      alone += sensed[k] * sensed[k] / variance[k];
-      spread *= variance[k];
+      alone += sensed[k] * sensed[k] / variance[k] + std::log(variance[k]);
       for (int i = 0; i < 6; ++i) {
         const double weighted = jacobian[k][i] / variance[k];
         seen[i] += weighted * sensed[k];
         for (int j = 0; j <= i; ++j) told[i][j] += weighted * jacobian[k][j];
       }
     }
-    alone += std::log(spread);
     Posterior result;
     for (int s = 0; s < count; ++s) {
       Square factor = told;  // L of L Lᵀ = P⁻¹ + Λ

@@ -25,10 +25,10 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 STATES = ("moving", "reversing", "settling", "resting", "still", "unmoved")  # of a joint
 MOVING, REVERSING, SETTLING, RESTING, STILL, UNMOVED = range(6)
+STRIBECK_SPEEDS = {"slow": 0.01, "middle": 0.05, "fast": 0.2}  # rad/s, as of the study
 TERMS = ["coulomb", "viscous", "velocity_root", "velocity_square", "periodic_sin", "periodic_cos"]
-TERMS += ["balance_sin", "balance_cos", "velocity_stribeck_slow", "velocity_stribeck_middle"]
-TERMS += ["velocity_stribeck_fast", "load"]  # of friction
-STRIBECK_SPEEDS = 0.01, 0.05, 0.2  # rad/s, as of the study
+STRIBECK = {f"velocity_stribeck_{part}": speed for part, speed in STRIBECK_SPEEDS.items()}
+TERMS += ["balance_sin", "balance_cos", *STRIBECK, "load"]  # of friction
 FORMAT, DEEPEST, LEAST, MOST = "ur5lib live 5", 16, 1e-9, 1e9  # of a file: brackets, numbers
 CONSTANTS = ["gain", "wide", "doubt", "duration", "slows", "stopping", "release", "thaw", "slow"]
 CONSTANTS += ["settle", "stop", "reversal", "missed", "press", "rest_speed", "moved", "dead_zone"]
@@ -348,11 +348,13 @@ class Live:
         root, square = np.sqrt(np.abs(qd)) * np.sign(qd), np.abs(qd) * qd
         held = (self.held * direction).sum(axis=-2)
         friction = held * (1 - np.abs(np.tanh(qd / self.set["dead_zone"])))
-        falls = (z * np.exp(-np.abs(qd) / speed) for speed in STRIBECK_SPEEDS)
-        columns = z, qd, root, square, sin, cos, sin, cos, *falls  # of TERMS, but for load
+        columns = z, qd, root, square, sin, cos, sin, cos  # of the first of TERMS
         for name, column in zip(TERMS, columns, strict=False):
             if name in self.terms:
                 friction = friction + self.terms[name] * column
+        for name, speed in STRIBECK.items():
+            if name in self.terms:
+                friction = friction + self.terms[name] * z * np.exp(-np.abs(qd) / speed)
         # k i = b + f + l + c z |l|
         motor = self.constant * current - self.offset
         load = (motor - friction) / (1 + self.terms["load"] * z * np.sign(motor - friction))
